@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/fusion/edges.h>
+#include <mrpt/fusion/voxels.h>
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+/** \file The paper's Sec. IV-B: which voxel of the scene belongs to which of the model.
+ *
+ * The model is map A, the scene is map B; the scene is moved by T_a_b. */
+
+namespace mrpt::fusion {
+
+/** A scene voxel and the model voxel nearest to it by descriptor. */
+struct Pair {
+  uint32_t model, scene;   ///< indices into the two sets of voxels
+  float squared_distance;  ///< between the centres, Euclidean, m^2
+};
+using Pairs = std::vector<Pair>;
+
+/** Eq. (15): mean of -p ln p over the voxels of both maps, nats: the uncertainty of the occupancy
+ * probabilities. One term of Shannon's entropy, as published: largest at p = 1/e, 0 at p = 1. */
+double occupancyUncertainty(const std::vector<float>& model_probability,
+                            const std::vector<float>& scene_probability);
+
+/** Eq. (16): mean of lambda_3 / (lambda_1 + lambda_2 + lambda_3) over the edges of both maps; 1 for
+ * perfect lines, 1/3 for no direction at all. */
+double structuralUncertainty(const EdgeVoxels& model, const EdgeVoxels& scene);
+
+/** Mean squared Euclidean distance of the pairs (the paper's MSE), m^2; 0 for none. */
+double meanSquaredError(const Pairs& pairs);
+
+/** The factors of eqs. (19)-(20), not given in the paper. */
+struct WeightParams {
+  double k1 = 0.1;  ///< of the occupancy distance
+  double k2 = 1.0;  ///< of the direction distance
+};
+
+/** Weights of the squared occupancy and direction differences beside the squared distance, m^2. */
+struct DescriptorWeights {
+  double omega_o = 0;
+  double omega_tau = 0;
+};
+
+/** Eqs. (17)-(20): omega_o = k1 MSE / H_m, omega_tau = k2 MSE lambda_tau.
+ * \param[in] H_m Eq. (15); at 0 (all voxels certain) it is taken as 1e-3, so that omega_o stays
+ * finite. \param[in] lambda_tau Eq. (16); 0 at the voxel level, which has no directions. */
+DescriptorWeights descriptorWeights(double mse, double H_m, double lambda_tau,
+                                    const WeightParams& params);
+
+/** Finds pairs by eq. (14): the 4-D descriptor {x, y, z, p}. Built once for a model;
+ * building is O(n log n), associating about O(m log n), on all cores with the same result for any
+ * number of them. One object is not to be used from two threads at once. The gate is on the square root of the eq.'s distance, in metres (Table I). */
+class VoxelAssociation {
+ public:
+  explicit VoxelAssociation(const OccupiedVoxels& model);
+  ~VoxelAssociation();
+  VoxelAssociation(VoxelAssociation&&) noexcept;
+
+  Pairs associate(const OccupiedVoxels& scene, const Eigen::Isometry3d& T_a_b,
+                  const DescriptorWeights& weights, double gate);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/** Finds pairs of edge voxels by eq. (13): the 7-D descriptor {x, y, z, p, tau}, of which tau and
+ * -tau are the same direction. Otherwise as VoxelAssociation. */
+class EdgeAssociation {
+ public:
+  explicit EdgeAssociation(const EdgeVoxels& model);
+  ~EdgeAssociation();
+  EdgeAssociation(EdgeAssociation&&) noexcept;
+
+  Pairs associate(const EdgeVoxels& scene, const Eigen::Isometry3d& T_a_b,
+                  const DescriptorWeights& weights, double gate);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace mrpt::fusion

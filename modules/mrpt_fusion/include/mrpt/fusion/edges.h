@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/fusion/uncertainty.h>
+#include <mrpt/fusion/voxels.h>
+
+#include <Eigen/Core>
+#include <vector>
+
+/** \file The paper's Algorithm 1: structural edge voxels. */
+
+namespace mrpt::fusion {
+
+/** Settings of Algorithm 1. The paper gives kappa, d_T and the angle window; the rest is ours. */
+struct EdgeParams {
+  double normal_radius = 0.25;  ///< r_N for the normals' PCA, lines 2-6, m
+  double cost_radius = 0.60;    ///< r_N for the angle cost, eq. (5), m
+  /** Both radii are at least these many voxels, so that coarse maps have neighbours too. */
+  double min_normal_radius_voxels = 2.5;
+  double min_cost_radius_voxels = 6.0;
+  /** Largest surface variation lambda_3 / (lambda_1 + lambda_2 + lambda_3) of a voxel that has a
+   * normal: near 0 on a plane, 0.09 on a clean right-angled edge, 1/3 inside a solid. */
+  double max_surface_variation = 0.2;
+  double kappa = 0.5;             ///< least mean angle cost of a candidate (Table I)
+  double trace_distance = 0.5;    ///< d_T, m
+  double trace_step_angle = 0.2617993877991494;  ///< delta, rad (15 deg)
+  double alpha_min = 1.3962634015954636;         ///< angle window of the two traces, rad (80 deg)
+  double alpha_max = 1.7453292519943295;         ///< rad (100 deg)
+  unsigned outlier_neighbours = 8;   ///< neighbours whose mean distance tells an outlier (line 23)
+  double outlier_deviations = 1.0;   ///< kept up to this many standard deviations above the mean
+  double direction_radius = 0.5;     ///< of the edge voxels that make Sigma_tau, eq. (6), m
+};
+
+/** The edge voxels of a map, as parallel arrays. */
+struct EdgeVoxels {
+  double resolution = 0;                   ///< voxel size, m
+  std::vector<Eigen::Vector3f> centre;     ///< m, map frame
+  std::vector<float> probability;          ///< of being occupied
+  std::vector<EdgeCovariance> covariance;  ///< Sigma_tau, eq. (6), from neighbouring edge voxels
+
+  size_t size() const { return centre.size(); }
+};
+
+/** Lines 2-6: the unit normal of each voxel, of arbitrary sign: the least principal component of the
+ * occupied voxels within r_N. Fewer than three of them, or all on a line: a zero vector.
+ * O(voxels * neighbours). */
+std::vector<Eigen::Vector3f> computeNormals(const OccupiedVoxels& voxels, const EdgeParams& params);
+
+/** Eq. (5) for each voxel: the mean |n_j x n_i| over its neighbours, in [0,1]. */
+std::vector<float> computeAngleCosts(const OccupiedVoxels& voxels,
+                                     const std::vector<Eigen::Vector3f>& normals,
+                                     const EdgeParams& params);
+
+/** All of Algorithm 1, and eq. (6) for what it finds.
+ * Deterministic, whatever the number of threads. */
+EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const EdgeParams& params);
+
+}  // namespace mrpt::fusion

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/fusion/association.h>
+#include <octomap/OcTree.h>
+
+#include <Eigen/Geometry>
+#include <string>
+#include <vector>
+
+/** \file The paper's Sec. V-A: can a match be trusted? */
+
+namespace mrpt::fusion {
+
+struct EvaluationParams {
+  double inlier_mahalanobis = 0.2;  ///< a pair below this distance (not squared) is an inlier
+  double max_free_conflict = 0.25;  ///< largest share of voxels found in the other's free space
+  double min_overlap = 0.02;        ///< least overlap; below it there is nothing to judge by
+};
+
+/** Voxels that one map has occupied, at their place in the other map. */
+struct FreeSpaceCheck {
+  size_t agreeing = 0;     ///< the other has them occupied too, or a neighbouring voxel
+  size_t conflicting = 0;  ///< the other has seen that place and all around it free of obstacles
+  double conflictRatio() const {
+    const size_t n = agreeing + conflicting;
+    return n > 0 ? static_cast<double>(conflicting) / static_cast<double>(n) : 0;
+  }
+};
+
+struct Evaluation {
+  size_t pairs = 0;             ///< N_match
+  size_t inliers = 0;
+  double overlap = 0;           ///< Theta, eq. (25), [0,1]
+  double inlier_ratio = 0;      ///< inliers / pairs
+  double threshold = 1;         ///< least inlier ratio that is accepted, from Theta
+  double mean_mahalanobis = 0;  ///< of the pairs
+  double log_likelihood = 0;    ///< log of eq. (23)
+  FreeSpaceCheck free_space;    ///< both directions together
+  bool accepted = false;
+  std::vector<std::string> reasons;  ///< for the verdict, one sentence each
+};
+
+/** The square root of eq. (24)'s exponent: |m - s| / sqrt(1/p_m + 1/p_s). Published without unit; the
+ * distance is taken in metres: 0.2 is 0.29 m at p = 0.97. */
+double mahalanobisDistance(double squared_distance, double p_model, double p_scene);
+
+/** Eq. (25): the overlap Theta, mean share of matched voxels in both maps. */
+double overlapOf(size_t matches, size_t model_voxels, size_t scene_voxels);
+
+/** The least inlier ratio accepted at an overlap (the list after eq. 25): 0.8 up to Theta = 0.2,
+ * 0.9 - Theta / 2 up to 0.6, then 0.6. The paper's Fig. 9: 0.7 at 0.4. */
+double acceptanceThreshold(double overlap);
+
+/** Looks each occupied voxel of the scene up in the model's octree, one way. O(voxels). */
+FreeSpaceCheck checkFreeSpace(const octomap::OcTree& model, const OccupiedVoxels& scene,
+                              const Eigen::Isometry3d& T_model_scene);
+
+/** Eqs. (23)-(25) on the pairs of a match, joined by what they ignore: a wrong pose can lay floor on
+ * floor, but it puts walls where the other robot has seen free space.
+ * \param[in] pairs Of voxels at T_a_b, gated as in matching.
+ */
+Evaluation evaluateMatch(const octomap::OcTree& map_a, const OccupiedVoxels& a,
+                         const octomap::OcTree& map_b, const OccupiedVoxels& b, const Pairs& pairs,
+                         const Eigen::Isometry3d& T_a_b, const EvaluationParams& params);
+
+}  // namespace mrpt::fusion

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/fusion/association.h>
+#include <mrpt/fusion/edges.h>
+#include <mrpt/fusion/optimization.h>
+#include <mrpt/fusion/voxels.h>
+
+#include <Eigen/Geometry>
+#include <functional>
+#include <vector>
+
+/** \file The paper's Sec. IV-A: two-level probabilistic map matching (PMM), edges, then voxels. */
+
+namespace mrpt::fusion {
+
+/** What matching needs of a map; computed once per map. */
+struct MapFeatures {
+  OccupiedVoxels voxels;
+  EdgeVoxels edges;
+};
+MapFeatures computeFeatures(const octomap::OcTree& map, const EdgeParams& params);
+
+struct LevelParams {
+  unsigned max_iterations = 30;
+  double gate = 2.0;  ///< pairs are closer than this by the level's descriptor distance, m
+};
+
+struct MatchParams {
+  EdgeParams edges;
+  WeightParams weights;
+  /** Unit of eq. (4) beside eq. (6) at the edge level. */
+  VoxelCovariance voxel_covariance = VoxelCovariance::Plain;
+  LevelParams edge_level{30, 2.0};   ///< Table I
+  LevelParams voxel_level{30, 0.5};  ///< Table I
+  /** A level has converged when an iteration moves the pose by less than both. */
+  double min_step_translation = 1e-4;  ///< m
+  double min_step_rotation = 1e-4;     ///< rad
+};
+
+enum class Level { Edge = 1, Voxel = 2 };
+
+/** One iteration: an association and the optimisation that follows it. */
+struct IterationRecord {
+  Level level;
+  size_t pairs;
+  double mse;               ///< of the association's pairs, m^2
+  double step_translation;  ///< m
+  double step_rotation;     ///< rad
+};
+
+struct MatchResult {
+  Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();
+  Matrix6d covariance = Matrix6d::Zero();  ///< of a left perturbation (translation, rotation)
+  std::vector<IterationRecord> iterations;
+  Pairs pairs;  ///< of voxels, at T_a_b
+  /** Fewer than this many pairs tell nothing, and no level goes on with them. */
+  static constexpr size_t kMinPairs = 10;
+  bool hasPairs() const { return pairs.size() >= kMinPairs; }
+};
+
+/** Eqs. (10)-(12): the pose of map B (scene) in A's frame (model) that brings B's edges, then B's
+ * voxels, onto A's, from an initial guess.
+ *
+ * A local optimiser: it finds the nearest minimum. Whether that is the pose is for evaluateMatch()
+ * to say. Without pairs within the gates it returns the guess and no pairs. Deterministic, whatever
+ * the number of threads.
+ *
+ * \param[in] on_iteration Called after each iteration, if given (progress, plots).
+ * Cost: iterations * scene voxels * log(model voxels).
+ */
+MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
+                      const MatchParams& params,
+                      const std::function<void(const IterationRecord&)>& on_iteration = {});
+
+/** The voxel pairs at a given pose, weighted and gated as the voxel level does: what evaluateMatch()
+ * judges. */
+Pairs pairVoxels(const OccupiedVoxels& a, const OccupiedVoxels& b, const Eigen::Isometry3d& T_a_b,
+                 const MatchParams& params);
+
+}  // namespace mrpt::fusion

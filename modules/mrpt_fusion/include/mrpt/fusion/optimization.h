@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/fusion/association.h>
+
+#include <Eigen/Geometry>
+
+/** \file The paper's Sec. IV-C: the pose that brings the pairs together.
+ *
+ * Poses are perturbed on the left, `T <- exp(xi) T`, xi = (translation, rotation), in A's frame. */
+
+namespace mrpt::fusion {
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+/** The normal equations of one linearisation: sum of e' W e = error - 2 g' xi + xi' H xi. */
+struct NormalEquations {
+  Matrix6d H = Matrix6d::Zero();
+  Vector6d g = Vector6d::Zero();
+  double error = 0;  ///< sum of squared Mahalanobis distances
+};
+
+/** Eq. (21), the edge level: e = m - T s, W = (Sigma_m + R Sigma_s R')^-1 with the fused
+ * covariances of eq. (9). \param[in] floor_variance See EdgeCovariance::matrix(), m^2. */
+NormalEquations linearizeEdges(const EdgeVoxels& model, const EdgeVoxels& scene, const Pairs& pairs,
+                               const Eigen::Isometry3d& T_a_b, VoxelCovariance kind);
+
+/** Eq. (22), the voxel level: W = (1/p_m + 1/p_s)^-1 I. */
+NormalEquations linearizeVoxels(const OccupiedVoxels& model, const OccupiedVoxels& scene,
+                                const Pairs& pairs, const Eigen::Isometry3d& T_a_b);
+
+/** exp of a twist (translation part first, as V xi_t; rotation as a vector, rad). */
+Eigen::Isometry3d expSE3(const Vector6d& xi);
+
+struct SolverParams {
+  unsigned max_steps = 10;      ///< Levenberg-Marquardt steps for one set of pairs
+  double min_translation = 1e-5;  ///< stop below this step, m
+  double min_rotation = 1e-5;     ///< and this, rad
+};
+
+/** Levenberg-Marquardt on SE(3): minimises the error that \a linearize (T -> NormalEquations) gives.
+ * Directions that the pairs do not constrain are left as they are.
+ * Cost: one linearisation a step. \return The pose; never one of a larger error than \a T. */
+template <class Linearize>
+Eigen::Isometry3d optimizePose(Eigen::Isometry3d T, const SolverParams& params,
+                               Linearize&& linearize);
+
+/** The covariance of the pose, in xi, from the equations at the optimum: s^2 H^-1 with the residual
+ * variance s^2 = error / (3 pairs - 6); directions with no information get \a unknown_variance. */
+Matrix6d poseCovariance(const NormalEquations& at_optimum, size_t pairs,
+                        double unknown_variance = 1e6);
+
+// ------------------------------------------------------------------------------------------------
+
+/** Solves (H + lambda diag H) xi = g, ignoring directions without information. */
+Vector6d solveDamped(const NormalEquations& equations, double lambda);
+
+template <class Linearize>
+Eigen::Isometry3d optimizePose(Eigen::Isometry3d T, const SolverParams& params,
+                               Linearize&& linearize) {
+  double lambda = 1e-6;
+  NormalEquations equations = linearize(T);
+  for (unsigned step = 0; step < params.max_steps; step++) {
+    const Vector6d xi = solveDamped(equations, lambda);
+    const Eigen::Isometry3d candidate = expSE3(xi) * T;
+    const NormalEquations next = linearize(candidate);
+    if (next.error <= equations.error) {
+      T = candidate;
+      equations = next;
+      lambda *= 0.1;
+      if (xi.head<3>().norm() < params.min_translation && xi.tail<3>().norm() < params.min_rotation)
+        break;
+    } else {
+      lambda = lambda < 1e-3 ? 1e-3 : 10 * lambda;
+      if (lambda > 1e6) break;
+    }
+  }
+  return T;
+}
+
+}  // namespace mrpt::fusion

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <octomap/OcTree.h>
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+namespace mrpt::fusion {
+
+/** The occupied voxels of a map at its finest resolution: the paper's tuples (centre, size,
+ * probability), as parallel arrays in the order of the octree's leaves. */
+struct OccupiedVoxels {
+  double resolution = 0;                ///< voxel size d_m, metres
+  std::vector<Eigen::Vector3f> centre;  ///< metres, in the map's frame
+  std::vector<float> probability;       ///< of being occupied, (0,1)
+  std::vector<octomap::OcTreeKey> key;  ///< finest-level octree key of each
+
+  size_t size() const { return centre.size(); }
+};
+
+/** Extracts the occupied voxels (probability at least the tree's occupancy threshold), pruned leaves
+ * expanded. One traversal, O(nodes + voxels).
+ * \param[in] max_voxels Refuse to expand to more voxels than this (a tiny hostile file can hold one
+ * leaf that stands for 2^48 voxels).
+ * \exception std::length_error If there are more.
+ */
+OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map, size_t max_voxels = 100'000'000);
+
+/** Figures of a map's voxels, each pruned leaf counted as the finest voxels it stands for. */
+struct MapStatistics {
+  size_t occupied = 0, free = 0;  ///< finest voxels
+  double mean_entropy_occupied = 0;  ///< mean of binaryEntropy() over occupied voxels, nats
+  double mean_entropy_known = 0;     ///< over occupied and free voxels, nats
+};
+MapStatistics statisticsOf(const octomap::OcTree& map);
+
+/** Shannon entropy of an occupancy probability, `-p ln p - (1-p) ln(1-p)`, in nats: the measure of
+ * the paper's Table V. 0 at p = 0 and p = 1. */
+double binaryEntropy(double p);
+
+}  // namespace mrpt::fusion

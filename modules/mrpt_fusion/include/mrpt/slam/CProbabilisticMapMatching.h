@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/config/CLoadableOptions.h>
+#include <mrpt/fusion/evaluation.h>
+#include <mrpt/fusion/matching.h>
+#include <mrpt/fusion/merging.h>
+#include <mrpt/maps/CProbOctoMap.h>
+#include <mrpt/poses/CPose3DPDFGaussian.h>
+#include <mrpt/slam/CMetricMapsAlignmentAlgorithm.h>
+
+#include <functional>
+#include <string>
+
+namespace mrpt::slam {
+
+/** Two-level probabilistic map matching (PMM) of 3-D occupancy maps, and the steps around it.
+ *
+ * Finds the pose of map m2 (the scene, "B") in the frame of map m1 (the model, "A"), and says whether
+ * that pose can be trusted. After Yue et al., "Hierarchical Probabilistic Fusion Framework for
+ * Matching and Merging of 3-D Occupancy Maps".
+ *
+ * Maps may be CProbOctoMap, COctoMap, or a CMultiMetricMap with one of them; they are not modified.
+ * \code
+ * mrpt::slam::CProbabilisticMapMatching pmm;
+ * mrpt::slam::CProbabilisticMapMatching::TReturnInfo info;
+ * const auto pose = pmm.Align3D(&map_a, &map_b, guess, info);
+ * if (info.evaluation.accepted) fused = pmm.merge(map_a, map_b, pose->getMeanVal());
+ * \endcode
+ */
+class CProbabilisticMapMatching : public CMetricMapsAlignmentAlgorithm {
+ public:
+  CProbabilisticMapMatching();
+
+  /** All parameters of all steps. In .ini files angles end in `_deg`. */
+  struct TConfigParams : public mrpt::config::CLoadableOptions {
+    mrpt::fusion::MatchParams match;
+    mrpt::fusion::EvaluationParams evaluation;
+    mrpt::fusion::MergeParams merge;
+
+    /** Missing keys keep their values. \exception std::exception On a value out of range, or a key
+     * in the section that is none of these (a misspelt one would else be ignored). */
+    void loadFromConfigFile(const mrpt::config::CConfigFileBase& source,
+                            const std::string& section) override;
+    void saveToConfigFile(mrpt::config::CConfigFileBase& target,
+                          const std::string& section) const override;
+  };
+  TConfigParams options;
+
+  struct TReturnInfo : public TMetricMapAlignmentResult {
+    unsigned nIterations = 0;
+    mrpt::fusion::MatchResult match;  ///< pose, covariance, iterations with their MSE, pairs
+    mrpt::fusion::Evaluation evaluation;
+    size_t edges_m1 = 0, edges_m2 = 0;    ///< edge voxels
+    size_t voxels_m1 = 0, voxels_m2 = 0;  ///< occupied voxels
+    /** CPU-independent wall time of each step, seconds. */
+    double seconds_features = 0, seconds_matching = 0, seconds_evaluation = 0;
+  };
+
+  /** SE(3). \param[in] initialEstimationPDF Its mean is the initial guess (the pose of m2 in m1's
+   * frame); its covariance is not used yet.
+   * \param[out] outInfo A TReturnInfo, if wanted.
+   * \return A CPose3DPDFGaussian: the pose, and the covariance of (x, y, z, yaw, pitch, roll) from
+   * the final Hessian. Check TReturnInfo::evaluation before using it.
+   * \exception std::exception If a map is null, of another kind, or has no occupied voxel. */
+  mrpt::poses::CPose3DPDF::Ptr Align3DPDF(
+      const mrpt::maps::CMetricMap* m1, const mrpt::maps::CMetricMap* m2,
+      const mrpt::poses::CPose3DPDFGaussian& initialEstimationPDF,
+      mrpt::optional_ref<TMetricMapAlignmentResult> outInfo = std::nullopt) override;
+
+  /** SE(2): as Align3DPDF() from a guess in the plane; the result is projected on it (a
+   * CPosePDFGaussian of x, y, phi). */
+  mrpt::poses::CPosePDF::Ptr AlignPDF(
+      const mrpt::maps::CMetricMap* m1, const mrpt::maps::CMetricMap* m2,
+      const mrpt::poses::CPosePDFGaussian& initialEstimationPDF,
+      mrpt::optional_ref<TMetricMapAlignmentResult> outInfo = std::nullopt) override;
+
+  /** @name Single steps
+   * @{ */
+  mrpt::fusion::EdgeVoxels edges(const mrpt::maps::CMetricMap& map) const;
+  /** Judges a given pose of m2 in m1. The result's match has the pairs at that pose. */
+  TReturnInfo evaluate(const mrpt::maps::CMetricMap& m1, const mrpt::maps::CMetricMap& m2,
+                       const mrpt::poses::CPose3D& pose) const;
+  /** The map of both, in m1's frame. */
+  mrpt::maps::CProbOctoMap merge(const mrpt::maps::CMetricMap& m1, const mrpt::maps::CMetricMap& m2,
+                                 const mrpt::poses::CPose3D& pose) const;
+  /** @} */
+
+  /** Called after each iteration of Align3DPDF(), if set. */
+  std::function<void(const mrpt::fusion::IterationRecord&)> onIteration;
+};
+
+}  // namespace mrpt::slam
+
+namespace mrpt::fusion {
+
+/** From the covariance of a left perturbation of T (translation, rotation; A's frame) to MRPT's of
+ * (x, y, z, yaw, pitch, roll). Singular at pitch = +-90 deg, as those angles are. */
+Matrix6d toYawPitchRollCovariance(const Matrix6d& covariance, const Eigen::Isometry3d& T);
+
+/** MRPT and Eigen poses. */
+Eigen::Isometry3d toEigen(const mrpt::poses::CPose3D& pose);
+mrpt::poses::CPose3D toPose(const Eigen::Isometry3d& T);
+
+}  // namespace mrpt::fusion

@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/maps/map_files.h>
+#include <mrpt/poses/CPosePDFGaussian.h>
+#include <mrpt/slam/CProbabilisticMapMatching.h>
+#include <mrpt/system/CTicTac.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <vector>
+
+using namespace mrpt::slam;
+using namespace mrpt::fusion;
+using mrpt::maps::CMetricMap;
+using mrpt::maps::CProbOctoMap;
+using mrpt::poses::CPose3D;
+
+// ---------------------------------------------------------------- options
+
+namespace {
+
+/** One parameter: its key, meaning, range, and where it is. */
+struct Entry {
+  const char* key;
+  const char* comment;
+  double min, max;
+  enum class Unit { Plain, Degrees, Count } unit;
+  std::function<double()> get;
+  std::function<void(double)> set;
+};
+
+/** The parameters that are numbers, in the order of the pipeline; what is listed here is loaded,
+ * checked and saved. */
+std::vector<Entry> entriesOf(CProbabilisticMapMatching::TConfigParams& o) {
+  std::vector<Entry> list;
+  const auto add = [&](const char* key, auto& field, double min, double max, const char* comment,
+                       Entry::Unit unit = Entry::Unit::Plain) {
+    list.push_back({key, comment, min, max, unit,
+                    [&field] { return static_cast<double>(field); },
+                    [&field](double v) { field = static_cast<std::decay_t<decltype(field)>>(v); }});
+  };
+  constexpr double kInf = 1e9;
+  const auto deg = Entry::Unit::Degrees;
+  const auto count = Entry::Unit::Count;
+  auto& e = o.match.edges;
+  add("normal_radius", e.normal_radius, 0, 100, "r_N of the normals' PCA, m");
+  add("cost_radius", e.cost_radius, 0, 100, "r_N of the mean angle cost, eq. (5), m");
+  add("min_normal_radius_voxels", e.min_normal_radius_voxels, 1, 20,
+      "Least r_N of the normals' PCA, voxels");
+  add("min_cost_radius_voxels", e.min_cost_radius_voxels, 1, 20,
+      "Least r_N of the mean angle cost, voxels");
+  add("max_surface_variation", e.max_surface_variation, 0, 1.0 / 3 + 1e-9,
+      "Largest lambda_3 / (lambda_1+lambda_2+lambda_3) of a voxel with a normal; 1/3: any");
+  add("kappa", e.kappa, 0, 1, "Least mean angle cost of an edge candidate (Table I: 0.5)");
+  add("trace_distance", e.trace_distance, 0, 100, "d_T of the walks along the surface, m");
+  add("trace_step_deg", e.trace_step_angle, 0.1, 180, "Angle delta between walks, deg", deg);
+  add("alpha_min_deg", e.alpha_min, 0, 180, "Least angle between two walks at an edge, deg", deg);
+  add("alpha_max_deg", e.alpha_max, 0, 180, "Largest angle between two walks at an edge, deg", deg);
+  add("outlier_neighbours", e.outlier_neighbours, 1, 1000,
+      "Neighbours of the statistical outlier removal", count);
+  add("outlier_deviations", e.outlier_deviations, 0, kInf,
+      "Edge voxels farther from their neighbours than the mean plus so many deviations are removed");
+  add("direction_radius", e.direction_radius, 0, 100,
+      "Of the edge voxels that make an edge's covariance, eq. (6), m");
+  auto& m = o.match;
+  add("k1", m.weights.k1, 0, kInf, "Factor of the occupancy weight, eq. (19)");
+  add("k2", m.weights.k2, 0, kInf, "Factor of the direction weight, eq. (20)");
+  add("edge_gate", m.edge_level.gate, 0, kInf, "Gate of edge pairs, m (Table I: 2)");
+  add("edge_iterations", m.edge_level.max_iterations, 0, kInf,
+      "Most iterations at the edge level; 0: skip the level", count);
+  add("voxel_gate", m.voxel_level.gate, 0, kInf, "Gate of voxel pairs, m (Table I: 0.5)");
+  add("voxel_iterations", m.voxel_level.max_iterations, 0, kInf,
+      "Most iterations at the voxel level", count);
+  add("min_step_translation", m.min_step_translation, 0, kInf,
+      "A level has converged when an iteration moves the pose by less, m");
+  add("min_step_rotation_deg", m.min_step_rotation, 0, 180, "and by less, deg", deg);
+  auto& v = o.evaluation;
+  add("inlier_mahalanobis", v.inlier_mahalanobis, 0, kInf,
+      "Pairs below this Mahalanobis distance are inliers");
+  add("max_free_conflict", v.max_free_conflict, 0, 1,
+      "Largest share of obstacles that lie in the other map's free space; 1: not tested");
+  add("min_overlap", v.min_overlap, 0, 1, "Least overlap, eq. (25), to judge by");
+  add("kl_threshold", o.merge.kl_threshold, 0, kInf,
+      "Relative entropy up to which probabilities are averaged, nats (Table I: 0.1)");
+  return list;
+}
+
+/** Names of the values of an enumerated parameter. */
+template <class E>
+using Names = std::vector<std::pair<E, const char*>>;
+const Names<VoxelCovariance> kCovarianceNames = {{VoxelCovariance::Plain, "plain"},
+                                                 {VoxelCovariance::Quantisation, "quantisation"}};
+const Names<MergePolicy> kPolicyNames = {{MergePolicy::RelativeEntropy, "relative_entropy"},
+                                         {MergePolicy::Average, "average"},
+                                         {MergePolicy::Stitch, "stitch"},
+                                         {MergePolicy::Bayes, "bayes"}};
+constexpr const char* kCovarianceKey = "voxel_covariance";
+constexpr const char* kPolicyKey = "merge_policy";
+
+template <class E>
+std::string listOf(const Names<E>& names) {
+  std::string list;
+  for (const auto& n : names) list += (list.empty() ? "" : ", ") + std::string(n.second);
+  return list;
+}
+
+template <class E>
+const char* nameOf(E value, const Names<E>& names) {
+  return std::find_if(names.begin(), names.end(), [&](const auto& n) { return n.first == value; })
+      ->second;
+}
+
+template <class E>
+void loadEnum(const mrpt::config::CConfigFileBase& source, const std::string& section,
+              const char* key, const Names<E>& names, E& value) {
+  const std::string text = source.read_string(section, key, nameOf(value, names));
+  const auto found = std::find_if(names.begin(), names.end(),
+                                  [&](const auto& n) { return text == n.second; });
+  ASSERTMSG_(found != names.end(), "[" + section + "] " + key + " = " + text + " is none of " +
+                                       listOf(names));
+  value = found->first;
+}
+
+}  // namespace
+
+void CProbabilisticMapMatching::TConfigParams::loadFromConfigFile(
+    const mrpt::config::CConfigFileBase& source, const std::string& section) {
+  TConfigParams loaded(*this);
+  const auto entries = entriesOf(loaded);
+
+  std::vector<std::string> keys;
+  source.getAllKeys(section, keys);
+  for (const auto& key : keys) {
+    const bool known = key == kCovarianceKey || key == kPolicyKey ||
+                       std::any_of(entries.begin(), entries.end(),
+                                   [&](const Entry& e) { return key == e.key; });
+    ASSERTMSG_(known, "[" + section + "] has an unknown key '" + key + "'");
+  }
+
+  for (const Entry& e : entries) {
+    if (!source.keyExists(section, e.key)) continue;
+    const std::string text = source.read_string(section, e.key, "");
+    std::istringstream in(text);
+    double value = 0;
+    std::string rest;
+    const bool is_number = static_cast<bool>(in >> value) && !(in >> rest);
+    const bool is_whole = e.unit != Entry::Unit::Count || value == std::floor(value);
+    ASSERTMSG_(is_number && is_whole && value >= e.min && value <= e.max,
+               mrpt::format("[%s] %s = %s is not a %s in [%g, %g]", section.c_str(), e.key,
+                            text.c_str(),
+                            e.unit == Entry::Unit::Count ? "whole number" : "number", e.min, e.max));
+    e.set(e.unit == Entry::Unit::Degrees ? value * M_PI / 180 : value);
+  }
+  loadEnum(source, section, kCovarianceKey, kCovarianceNames, loaded.match.voxel_covariance);
+  loadEnum(source, section, kPolicyKey, kPolicyNames, loaded.merge.policy);
+  *this = loaded;
+}
+
+void CProbabilisticMapMatching::TConfigParams::saveToConfigFile(
+    mrpt::config::CConfigFileBase& target, const std::string& section) const {
+  TConfigParams copy(*this);
+  for (const Entry& e : entriesOf(copy)) {
+    // To the six digits that people write: 80 deg is not 79.99999999999999.
+    const double value = e.unit == Entry::Unit::Degrees ? e.get() * 180 / M_PI : e.get();
+    target.write(section, e.key, mrpt::format("%g", value), -1, -1, e.comment);
+  }
+  target.write(section, kCovarianceKey, nameOf(match.voxel_covariance, kCovarianceNames), -1, -1,
+               "Unit of the voxel covariance, eq. (4): plain (m^2, as published), quantisation");
+  target.write(section, kPolicyKey, nameOf(merge.policy, kPolicyNames), -1, -1,
+               "Of voxels that both maps know: " + listOf(kPolicyNames));
+}
+
+// ---------------------------------------------------------------- poses
+
+Eigen::Isometry3d mrpt::fusion::toEigen(const CPose3D& pose) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = pose.getRotationMatrix().asEigen();
+  T.translation() = Eigen::Vector3d(pose.x(), pose.y(), pose.z());
+  return T;
+}
+
+CPose3D mrpt::fusion::toPose(const Eigen::Isometry3d& T) {
+  return CPose3D(mrpt::math::CMatrixDouble44(Eigen::Matrix4d(T.matrix())));
+}
+
+Matrix6d mrpt::fusion::toYawPitchRollCovariance(const Matrix6d& covariance,
+                                                const Eigen::Isometry3d& T) {
+  // R = Rz(yaw) Ry(pitch) Rx(roll), so a small rotation is
+  // w = dyaw e_z + dpitch Rz e_y + droll Rz Ry e_x, and t moves by rho + w x t.
+  const CPose3D pose = toPose(T);
+  const Eigen::Matrix3d Rz = Eigen::AngleAxisd(pose.yaw(), Eigen::Vector3d::UnitZ()).matrix();
+  const Eigen::Matrix3d Ry = Eigen::AngleAxisd(pose.pitch(), Eigen::Vector3d::UnitY()).matrix();
+  Eigen::Matrix3d w_of_angles;
+  w_of_angles << Eigen::Vector3d::UnitZ(), Rz.col(1), (Rz * Ry).col(0);
+  const Eigen::Vector3d t = T.translation();
+  Eigen::Matrix3d minus_t_cross;
+  minus_t_cross << 0, t.z(), -t.y(), -t.z(), 0, t.x(), t.y(), -t.x(), 0;
+  Matrix6d J = Matrix6d::Zero();
+  J.topLeftCorner<3, 3>().setIdentity();
+  J.topRightCorner<3, 3>() = minus_t_cross;
+  J.bottomRightCorner<3, 3>() = w_of_angles.inverse();
+  return J * covariance * J.transpose();
+}
+
+// ---------------------------------------------------------------- steps
+
+namespace {
+
+std::shared_ptr<const CProbOctoMap> octomapOf(const CMetricMap& map) {
+  auto octomap = mrpt::maps::asProbOctoMap(map);
+  ASSERTMSG_(octomap, std::string("CProbabilisticMapMatching: a ") +
+                          map.GetRuntimeClass()->className +
+                          " is not, and holds no, 3-D occupancy map");
+  return octomap;
+}
+
+double secondsSince(mrpt::system::CTicTac& clock) {
+  const double s = clock.Tac();
+  clock.Tic();
+  return s;
+}
+
+}  // namespace
+
+CProbabilisticMapMatching::CProbabilisticMapMatching() {
+  setLoggerName("CProbabilisticMapMatching");
+}
+
+EdgeVoxels CProbabilisticMapMatching::edges(const CMetricMap& map) const {
+  return extractEdges(extractOccupiedVoxels(octomapOf(map)->octree()), options.match.edges);
+}
+
+mrpt::poses::CPose3DPDF::Ptr CProbabilisticMapMatching::Align3DPDF(
+    const CMetricMap* m1, const CMetricMap* m2,
+    const mrpt::poses::CPose3DPDFGaussian& initialEstimationPDF,
+    mrpt::optional_ref<TMetricMapAlignmentResult> outInfo) {
+  ASSERTMSG_(m1 && m2, "CProbabilisticMapMatching: a map is null");
+  const auto a = octomapOf(*m1), b = octomapOf(*m2);
+  mrpt::system::CTicTac clock, total;
+  TReturnInfo info;
+  const MapFeatures fa = computeFeatures(a->octree(), options.match.edges);
+  const MapFeatures fb = computeFeatures(b->octree(), options.match.edges);
+  ASSERTMSG_(fa.voxels.size() > 0, "CProbabilisticMapMatching: map m1 has no occupied voxel");
+  ASSERTMSG_(fb.voxels.size() > 0, "CProbabilisticMapMatching: map m2 has no occupied voxel");
+  info.voxels_m1 = fa.voxels.size();
+  info.voxels_m2 = fb.voxels.size();
+  info.edges_m1 = fa.edges.size();
+  info.edges_m2 = fb.edges.size();
+  info.seconds_features = secondsSince(clock);
+
+  info.match = matchMaps(fa, fb, toEigen(initialEstimationPDF.mean), options.match, onIteration);
+  info.nIterations = static_cast<unsigned>(info.match.iterations.size());
+  info.seconds_matching = secondsSince(clock);
+
+  info.evaluation = evaluateMatch(a->octree(), fa.voxels, b->octree(), fb.voxels, info.match.pairs,
+                                  info.match.T_a_b, options.evaluation);
+  info.seconds_evaluation = secondsSince(clock);
+  info.executionTime = total.Tac();
+  MRPT_LOG_DEBUG_FMT("%u iterations, %zu pairs, %s", info.nIterations, info.match.pairs.size(),
+                     info.evaluation.accepted ? "accepted" : "rejected");
+
+  auto pdf = std::make_shared<mrpt::poses::CPose3DPDFGaussian>();
+  pdf->mean = toPose(info.match.T_a_b);
+  pdf->cov = mrpt::math::CMatrixDouble66(
+      toYawPitchRollCovariance(info.match.covariance, info.match.T_a_b));
+  if (outInfo)
+    if (auto* wanted = dynamic_cast<TReturnInfo*>(&outInfo.value().get())) *wanted = std::move(info);
+  return pdf;
+}
+
+mrpt::poses::CPosePDF::Ptr CProbabilisticMapMatching::AlignPDF(
+    const CMetricMap* m1, const CMetricMap* m2,
+    const mrpt::poses::CPosePDFGaussian& initialEstimationPDF,
+    mrpt::optional_ref<TMetricMapAlignmentResult> outInfo) {
+  const auto pdf =
+      Align3DPDF(m1, m2, mrpt::poses::CPose3DPDFGaussian(initialEstimationPDF), outInfo);
+  auto plane = std::make_shared<mrpt::poses::CPosePDFGaussian>();
+  plane->copyFrom(*pdf);
+  return plane;
+}
+
+CProbabilisticMapMatching::TReturnInfo CProbabilisticMapMatching::evaluate(
+    const CMetricMap& m1, const CMetricMap& m2, const CPose3D& pose) const {
+  const auto a = octomapOf(m1), b = octomapOf(m2);
+  mrpt::system::CTicTac clock;
+  const OccupiedVoxels va = extractOccupiedVoxels(a->octree());
+  const OccupiedVoxels vb = extractOccupiedVoxels(b->octree());
+  TReturnInfo info;
+  info.voxels_m1 = va.size();
+  info.voxels_m2 = vb.size();
+  info.match.T_a_b = toEigen(pose);
+  info.match.pairs = pairVoxels(va, vb, info.match.T_a_b, options.match);
+  info.evaluation = evaluateMatch(a->octree(), va, b->octree(), vb, info.match.pairs,
+                                  info.match.T_a_b, options.evaluation);
+  info.executionTime = info.seconds_evaluation = clock.Tac();
+  return info;
+}
+
+CProbOctoMap CProbabilisticMapMatching::merge(const CMetricMap& m1, const CMetricMap& m2,
+                                              const CPose3D& pose) const {
+  return CProbOctoMap(mergeMaps(octomapOf(m1)->octree(), octomapOf(m2)->octree(), toEigen(pose),
+                                options.merge));
+}

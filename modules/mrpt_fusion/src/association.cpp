@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/fusion/association.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "kd_tree.h"
+#include "parallel.h"
+
+namespace mrpt::fusion {
+
+double occupancyUncertainty(const std::vector<float>& model_probability,
+                            const std::vector<float>& scene_probability) {
+  double sum = 0;
+  for (const auto* probabilities : {&model_probability, &scene_probability})
+    for (const float p : *probabilities)
+      if (p > 0) sum -= p * std::log(static_cast<double>(p));
+  const size_t n = model_probability.size() + scene_probability.size();
+  return n > 0 ? sum / static_cast<double>(n) : 0;
+}
+
+double structuralUncertainty(const EdgeVoxels& model, const EdgeVoxels& scene) {
+  double sum = 0;
+  for (const auto* edges : {&model, &scene})
+    for (const auto& c : edges->covariance) sum += c.linearity();
+  const size_t n = model.size() + scene.size();
+  return n > 0 ? sum / static_cast<double>(n) : 0;
+}
+
+double meanSquaredError(const Pairs& pairs) {
+  double sum = 0;
+  for (const Pair& p : pairs) sum += p.squared_distance;
+  return pairs.empty() ? 0 : sum / static_cast<double>(pairs.size());
+}
+
+DescriptorWeights descriptorWeights(double mse, double H_m, double lambda_tau,
+                                    const WeightParams& params) {
+  constexpr double kLeastUncertainty = 1e-3;
+  return {params.k1 * mse / std::max(H_m, kLeastUncertainty), params.k2 * mse * lambda_tau};
+}
+
+namespace {
+
+constexpr uint32_t kUnpaired = ~uint32_t{0};
+
+/** Associates each of n scene voxels by itself, in parallel; keeps those that found a partner. */
+template <class FindModel>
+Pairs associateEach(size_t n, FindModel&& find) {
+  Pairs pairs(n);
+  forEachIndex(n, [&](size_t i) { pairs[i] = find(static_cast<uint32_t>(i)); });
+  pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
+                             [](const Pair& p) { return p.model == kUnpaired; }),
+              pairs.end());
+  return pairs;
+}
+
+}  // namespace
+
+struct VoxelAssociation::Impl {
+  KdTree<4> tree;
+};
+
+VoxelAssociation::VoxelAssociation(const OccupiedVoxels& model) {
+  std::vector<KdTree<4>::Descriptor> descriptors(model.size());
+  for (size_t i = 0; i < model.size(); i++) {
+    const auto& c = model.centre[i];
+    descriptors[i] = {c.x(), c.y(), c.z(), model.probability[i]};
+  }
+  impl_.reset(new Impl{KdTree<4>(std::move(descriptors))});
+}
+VoxelAssociation::~VoxelAssociation() = default;
+VoxelAssociation::VoxelAssociation(VoxelAssociation&&) noexcept = default;
+
+Pairs VoxelAssociation::associate(const OccupiedVoxels& scene, const Eigen::Isometry3d& T_a_b,
+                                  const DescriptorWeights& weights, double gate) {
+  const Eigen::Isometry3f T = T_a_b.cast<float>();
+  const auto gate2 = static_cast<float>(gate * gate);
+  impl_->tree.setWeights({1, 1, 1, static_cast<float>(weights.omega_o)});
+  return associateEach(scene.size(), [&](uint32_t i) {
+    const Eigen::Vector3f p = T * scene.centre[i];
+    const auto match =
+        impl_->tree.nearestWithin({p.x(), p.y(), p.z(), scene.probability[i]}, gate2);
+    if (!match) return Pair{kUnpaired, i, 0};
+    const auto& m = impl_->tree.point(match->index);
+    return Pair{match->index, i, (Eigen::Vector3f(m[0], m[1], m[2]) - p).squaredNorm()};
+  });
+}
+
+struct EdgeAssociation::Impl {
+  KdTree<7> tree;
+};
+
+EdgeAssociation::EdgeAssociation(const EdgeVoxels& model) {
+  std::vector<KdTree<7>::Descriptor> descriptors(model.size());
+  for (size_t i = 0; i < model.size(); i++) {
+    const auto& c = model.centre[i];
+    const Eigen::Vector3f tau = model.covariance[i].direction().cast<float>();
+    descriptors[i] = {c.x(), c.y(), c.z(), model.probability[i], tau.x(), tau.y(), tau.z()};
+  }
+  impl_.reset(new Impl{KdTree<7>(std::move(descriptors))});
+}
+EdgeAssociation::~EdgeAssociation() = default;
+EdgeAssociation::EdgeAssociation(EdgeAssociation&&) noexcept = default;
+
+Pairs EdgeAssociation::associate(const EdgeVoxels& scene, const Eigen::Isometry3d& T_a_b,
+                                 const DescriptorWeights& weights, double gate) {
+  const Eigen::Isometry3f T = T_a_b.cast<float>();
+  const auto gate2 = static_cast<float>(gate * gate);
+  const auto w_o = static_cast<float>(weights.omega_o);
+  const auto w_tau = static_cast<float>(weights.omega_tau);
+  impl_->tree.setWeights({1, 1, 1, w_o, w_tau, w_tau, w_tau});
+  return associateEach(scene.size(), [&](uint32_t i) {
+    const Eigen::Vector3f p = T * scene.centre[i];
+    const Eigen::Vector3f tau =
+        T.linear() * scene.covariance[i].direction().cast<float>();
+    auto match = impl_->tree.nearestWithin(
+        {p.x(), p.y(), p.z(), scene.probability[i], tau.x(), tau.y(), tau.z()}, gate2);
+    const auto opposite = impl_->tree.nearestWithin(
+        {p.x(), p.y(), p.z(), scene.probability[i], -tau.x(), -tau.y(), -tau.z()},
+        match ? match->squared_distance : gate2);
+    if (opposite) match = opposite;
+    if (!match) return Pair{kUnpaired, i, 0};
+    const auto& m = impl_->tree.point(match->index);
+    return Pair{match->index, i, (Eigen::Vector3f(m[0], m[1], m[2]) - p).squaredNorm()};
+  });
+}
+
+}  // namespace mrpt::fusion

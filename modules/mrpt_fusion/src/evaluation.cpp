@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/fusion/evaluation.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "parallel.h"
+
+namespace mrpt::fusion {
+namespace {
+
+std::string percent(double ratio) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.1f %%", 100 * ratio);
+  return text;
+}
+
+enum class Finding : uint8_t { Unknown, Agrees, Conflicts };
+
+/** What the map says of an obstacle at a point. Only a place seen free with nothing occupied around
+ * it contradicts: half a voxel of quantisation in each map is no contradiction. */
+Finding findingAt(const octomap::OcTree& map, const Eigen::Vector3d& p) {
+  octomap::OcTreeKey key;
+  if (!map.coordToKeyChecked(p.x(), p.y(), p.z(), key)) return Finding::Unknown;
+  const auto* node = map.search(key);
+  if (!node) return Finding::Unknown;
+  if (map.isNodeOccupied(node)) return Finding::Agrees;
+  for (int dz = -1; dz <= 1; dz++)
+    for (int dy = -1; dy <= 1; dy++)
+      for (int dx = -1; dx <= 1; dx++) {
+        const octomap::OcTreeKey near(static_cast<octomap::key_type>(key[0] + dx),
+                                      static_cast<octomap::key_type>(key[1] + dy),
+                                      static_cast<octomap::key_type>(key[2] + dz));
+        const auto* neighbour = map.search(near);
+        if (neighbour && map.isNodeOccupied(neighbour)) return Finding::Agrees;
+      }
+  return Finding::Conflicts;
+}
+
+}  // namespace
+
+double mahalanobisDistance(double squared_distance, double p_model, double p_scene) {
+  return std::sqrt(squared_distance / (1 / p_model + 1 / p_scene));
+}
+
+double overlapOf(size_t matches, size_t model_voxels, size_t scene_voxels) {
+  if (model_voxels == 0 || scene_voxels == 0) return 0;
+  const auto n = static_cast<double>(matches);
+  return 0.5 * (n / static_cast<double>(scene_voxels) + n / static_cast<double>(model_voxels));
+}
+
+double acceptanceThreshold(double overlap) { return std::clamp(0.9 - overlap / 2, 0.6, 0.8); }
+
+FreeSpaceCheck checkFreeSpace(const octomap::OcTree& model, const OccupiedVoxels& scene,
+                              const Eigen::Isometry3d& T_model_scene) {
+  std::vector<Finding> findings(scene.size());
+  forEachIndex(scene.size(), [&](size_t i) {
+    findings[i] = findingAt(model, T_model_scene * scene.centre[i].cast<double>());
+  });
+  const auto count = [&](Finding f) {
+    return static_cast<size_t>(std::count(findings.begin(), findings.end(), f));
+  };
+  return {count(Finding::Agrees), count(Finding::Conflicts)};
+}
+
+Evaluation evaluateMatch(const octomap::OcTree& map_a, const OccupiedVoxels& a,
+                         const octomap::OcTree& map_b, const OccupiedVoxels& b, const Pairs& pairs,
+                         const Eigen::Isometry3d& T_a_b, const EvaluationParams& params) {
+  Evaluation e;
+  e.pairs = pairs.size();
+  e.overlap = overlapOf(pairs.size(), a.size(), b.size());
+  e.threshold = acceptanceThreshold(e.overlap);
+  double sum = 0;
+  for (const Pair& p : pairs) {
+    const double d = mahalanobisDistance(p.squared_distance, a.probability[p.model],
+                                         b.probability[p.scene]);
+    sum += d;
+    e.log_likelihood -= d * d;
+    if (d < params.inlier_mahalanobis) e.inliers++;
+  }
+  if (!pairs.empty()) {
+    e.mean_mahalanobis = sum / static_cast<double>(pairs.size());
+    e.inlier_ratio = static_cast<double>(e.inliers) / static_cast<double>(pairs.size());
+  }
+  const FreeSpaceCheck b_in_a = checkFreeSpace(map_a, b, T_a_b);
+  const FreeSpaceCheck a_in_b = checkFreeSpace(map_b, a, T_a_b.inverse());
+  e.free_space = {b_in_a.agreeing + a_in_b.agreeing, b_in_a.conflicting + a_in_b.conflicting};
+
+  e.accepted = true;
+  const auto judge = [&](bool good, const std::string& yes, const std::string& no) {
+    e.accepted = e.accepted && good;
+    e.reasons.push_back(good ? yes : no);
+  };
+  judge(e.overlap >= params.min_overlap,
+        "overlap " + percent(e.overlap) + " is enough to judge by",
+        "overlap " + percent(e.overlap) + " is below " + percent(params.min_overlap));
+  judge(!pairs.empty() && e.inlier_ratio > e.threshold,
+        "inlier ratio " + percent(e.inlier_ratio) + " is above its threshold " +
+            percent(e.threshold),
+        "inlier ratio " + percent(e.inlier_ratio) + " is not above its threshold " +
+            percent(e.threshold));
+  const double conflict = e.free_space.conflictRatio();
+  judge(conflict <= params.max_free_conflict,
+        percent(conflict) + " of the obstacles lie in the other map's free space, at most " +
+            percent(params.max_free_conflict) + " may",
+        percent(conflict) + " of the obstacles lie in the other map's free space, more than " +
+            percent(params.max_free_conflict));
+  return e;
+}
+
+}  // namespace mrpt::fusion

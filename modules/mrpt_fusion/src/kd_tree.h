@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/math/KDTreeCapable.h>  // brings nanoflann
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace mrpt::fusion {
+
+/** A nanoflann kd-tree over descriptors whose axes can be weighted anew before each round of
+ * queries: the squared distance is sum_d weight[d] (a[d] - b[d])^2. Its splits do not depend on the
+ * weights, so one tree serves all iterations. Building is O(n log n), a query about O(log n). */
+template <int Dim>
+class KdTree {
+ public:
+  using Descriptor = std::array<float, Dim>;
+
+  explicit KdTree(std::vector<Descriptor> points)
+      : data_{std::move(points), ones()},
+        tree_(Dim, data_, nanoflann::KDTreeSingleIndexAdaptorParams(16)) {}
+  KdTree(const KdTree&) = delete;
+  KdTree& operator=(const KdTree&) = delete;
+
+  size_t size() const { return data_.points.size(); }
+  const Descriptor& point(size_t i) const { return data_.points[i]; }
+
+  /** Not to be called while a query runs. */
+  void setWeights(const Descriptor& weights) { data_.weights = weights; }
+
+  struct Nearest {
+    uint32_t index;
+    float squared_distance;
+  };
+  /** The nearest point closer than the gate (squared, weighted), if any. */
+  std::optional<Nearest> nearestWithin(const Descriptor& query, float squared_gate) const {
+    GatedResult result{squared_gate};
+    tree_.findNeighbors(result, query.data(), nanoflann::SearchParams());
+    if (result.index == kNone) return std::nullopt;
+    return Nearest{result.index, result.best};
+  }
+
+  struct NearestK {
+    std::vector<uint32_t> index;
+    std::vector<float> squared_distance;
+  };
+  NearestK nearest(const Descriptor& query, size_t k) const {
+    NearestK r{std::vector<uint32_t>(k), std::vector<float>(k)};
+    const size_t n = tree_.knnSearch(query.data(), k, r.index.data(), r.squared_distance.data());
+    r.index.resize(n);
+    r.squared_distance.resize(n);
+    return r;
+  }
+
+  /** All points closer than a radius (squared), nearest first. */
+  std::vector<uint32_t> within(const Descriptor& query, float squared_radius) const {
+    std::vector<std::pair<uint32_t, float>> matches;
+    tree_.radiusSearch(query.data(), squared_radius, matches, nanoflann::SearchParams());
+    std::vector<uint32_t> indices;
+    indices.reserve(matches.size());
+    for (const auto& m : matches) indices.push_back(m.first);
+    return indices;
+  }
+
+ private:
+  static constexpr uint32_t kNone = ~uint32_t{0};
+
+  static Descriptor ones() {
+    Descriptor d;
+    d.fill(1);
+    return d;
+  }
+
+  struct Data {
+    std::vector<Descriptor> points;
+    Descriptor weights;
+
+    size_t kdtree_get_point_count() const { return points.size(); }
+    float kdtree_get_pt(size_t i, size_t d) const { return points[i][d]; }
+    template <class Box>
+    bool kdtree_get_bbox(Box&) const {
+      return false;
+    }
+  };
+
+  struct Metric {
+    using ElementType = float;
+    using DistanceType = float;
+    const Data& data;
+
+    explicit Metric(const Data& d) : data(d) {}
+    float evalMetric(const float* a, uint32_t b, size_t) const {
+      float sum = 0;
+      for (size_t d = 0; d < Dim; d++) sum += accum_dist(a[d], data.points[b][d], d);
+      return sum;
+    }
+    float accum_dist(float a, float b, size_t d) const {
+      return data.weights[d] * (a - b) * (a - b);
+    }
+  };
+
+  /** nanoflann result set that keeps one point, if within the gate; ties go to the lower index, so
+   * that the answer does not depend on the tree's layout. */
+  struct GatedResult {
+    float best;
+    uint32_t index = kNone;
+
+    size_t size() const { return index == kNone ? 0 : 1; }
+    bool full() const { return true; }
+    float worstDist() const { return best; }
+    bool addPoint(float distance, uint32_t i) {
+      if (distance < best || (distance == best && i < index)) {
+        best = distance;
+        index = i;
+      }
+      return true;
+    }
+  };
+
+  Data data_;
+  nanoflann::KDTreeSingleIndexAdaptor<Metric, Data, Dim, uint32_t> tree_;
+};
+
+inline std::vector<std::array<float, 3>> toDescriptors(const std::vector<Eigen::Vector3f>& points) {
+  std::vector<std::array<float, 3>> d;
+  d.reserve(points.size());
+  for (const auto& p : points) d.push_back({p.x(), p.y(), p.z()});
+  return d;
+}
+
+}  // namespace mrpt::fusion

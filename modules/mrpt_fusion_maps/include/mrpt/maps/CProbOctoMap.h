@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/config/CLoadableOptions.h>
+#include <mrpt/maps/CMetricMap.h>
+#include <mrpt/maps/COctoMap.h>
+#include <mrpt/version.h>
+#include <octomap/OcTree.h>
+
+#include <memory>
+#include <string>
+
+namespace mrpt::maps {
+
+/** A 3-D probabilistic occupancy map: an octomap::OcTree as an MRPT metric map that keeps every
+ * log-odds value, wherever it goes.
+ *
+ * It takes the observations, options and .ini keys of mrpt::maps::COctoMap, and differs from it:
+ *  - serialization holds every node's log-odds bit for bit, the structure of the tree and the sensor
+ *    model (COctoMap's keeps one bit per voxel, and changes the map it saves);
+ *  - the `sensorPose` of 3-D observations moves their points as well as the ray's origin;
+ *  - a 3-D range scan that brings only a range image is projected;
+ *  - isEmpty() is true for a fresh map;
+ *  - the octree is within reach: octree().
+ *
+ * In .ini map definitions it is `probOctoMap`:
+ * \code
+ * [MappingApplication]
+ * probOctoMap_count = 1
+ * [MappingApplication_probOctoMap_00_creationOpts]
+ * resolution = 0.10      // voxel size, m
+ * [MappingApplication_probOctoMap_00_insertOpts]
+ * maxrange = -1          // m, -1: whole beams
+ * pruning = true
+ * occupancyThres = 0.5   // probabilities from here on
+ * probHit = 0.7
+ * probMiss = 0.4
+ * clampingThresMin = 0.1192
+ * clampingThresMax = 0.971
+ * [MappingApplication_probOctoMap_00_likelihoodOpts]
+ * decimation = 1         // use one ray in this many
+ * \endcode
+ */
+class CProbOctoMap : public CMetricMap {
+  DEFINE_SERIALIZABLE(CProbOctoMap, mrpt::maps)
+
+ public:
+  /** \param[in] resolution Voxel size, metres. \exception std::exception If not positive. */
+  explicit CProbOctoMap(double resolution = 0.10);
+  /** Takes over a tree, its sensor model included. */
+  explicit CProbOctoMap(std::unique_ptr<octomap::OcTree> tree);
+  /** A map with the same leaves as \a o, see fromOctoMap(). */
+  explicit CProbOctoMap(const COctoMap& o);
+  CProbOctoMap(const CProbOctoMap& o);
+  CProbOctoMap& operator=(const CProbOctoMap& o);
+  CProbOctoMap(CProbOctoMap&&) = default;
+  CProbOctoMap& operator=(CProbOctoMap&&) = default;
+  ~CProbOctoMap() override;
+
+  /** Names, meaning and defaults as in COctoMap::TInsertionOptions; probabilities in (0,1). They
+   * become the octree's sensor model at each insertion. */
+  struct TInsertionOptions : public mrpt::config::CLoadableOptions {
+    double maxrange = -1;      //!< Length to which beams are inserted, metres; -1: all of it
+    bool pruning = true;       //!< Prune the tree (without loss) after each insertion
+    double occupancyThres = 0.5;
+    double probHit = 0.7;
+    double probMiss = 0.4;
+    double clampingThresMin = 0.1192;
+    double clampingThresMax = 0.971;
+
+    void loadFromConfigFile(const mrpt::config::CConfigFileBase& source,
+                            const std::string& section) override;
+    void saveToConfigFile(mrpt::config::CConfigFileBase& target,
+                          const std::string& section) const override;
+    /** \exception std::exception If a probability is not in (0,1), or the hit and miss are not on
+     * their sides of 0.5, or the clamping thresholds are reversed. */
+    void check() const;
+  };
+  using TLikelihoodOptions = COctoMap::TLikelihoodOptions;
+  using TRenderingOptions = COctoMap::TRenderingOptions;
+
+  TInsertionOptions insertionOptions;
+  TLikelihoodOptions likelihoodOptions;
+  TRenderingOptions renderingOptions;
+
+  MAP_DEFINITION_START(CProbOctoMap)
+  double resolution = 0.10;  //!< Voxel size, metres
+  mrpt::maps::CProbOctoMap::TInsertionOptions insertionOpts;
+  mrpt::maps::CProbOctoMap::TLikelihoodOptions likelihoodOpts;
+  MAP_DEFINITION_END(CProbOctoMap)
+
+  /** @name The octree
+   * @{ */
+  /** The tree, owned by the map; never null. */
+  const octomap::OcTree& octree() const { return *m_octree; }
+  octomap::OcTree& octree() { return *m_octree; }
+  /** Replaces the tree by one taken over; the sensor model in insertionOptions becomes its own. */
+  void setOctree(std::unique_ptr<octomap::OcTree> tree);
+
+  double getResolution() const { return m_octree->getResolution(); }
+  /** Number of nodes, inner ones included. */
+  size_t size() const { return m_octree->size(); }
+  size_t getNumLeafNodes() const { return m_octree->getNumLeafNodes(); }
+  size_t memoryUsage() const { return m_octree->memoryUsage(); }
+  /** Box of the known space, metres. */
+  void getMetricMin(double& x, double& y, double& z) const { m_octree->getMetricMin(x, y, z); }
+  void getMetricMax(double& x, double& y, double& z) const { m_octree->getMetricMax(x, y, z); }
+  /** Occupancy probability at a point of the map's frame (metres).
+   * \return false if the point is unknown; \a prob_occupancy is then untouched. */
+  bool getPointOccupancy(float x, float y, float z, double& prob_occupancy) const;
+  /** Counts one hit (or miss) in the voxel at a point. */
+  void updateVoxel(double x, double y, double z, bool occupied);
+  /** Inserts points given in the map's frame, seen from a sensor at (sensor_x,y,z). */
+  void insertPointCloud(const CPointsMap& points, float sensor_x, float sensor_y, float sensor_z);
+  /** First occupied voxel along a ray, see COctoMapBase::castRay(). */
+  bool castRay(const mrpt::math::TPoint3D& origin, const mrpt::math::TPoint3D& direction,
+               mrpt::math::TPoint3D& end, bool ignoreUnknownCells = false,
+               double maxRange = -1.0) const;
+  /** @} */
+
+  /** @name Conversion
+   * @{ */
+  /** Replaces this map by a copy of all of \a o that MRPT's public API gives: each leaf's cube and
+   * log-odds (exact for 1e-9 < |log-odds| < 23, beyond which the double-valued probability that
+   * MRPT returns has lost digits), resolution and sensor model. \a o is not modified.
+   * \exception std::exception If o's voxels do not lie on an octree's grid. */
+  void fromOctoMap(const COctoMap& o);
+  /** Replaces the contents of \a o by this map: same leaves' log-odds and sensor model.
+   * Cost: one root-to-leaf descent per finest voxel, pruned leaves expanded (MRPT offers no other
+   * way in). \exception std::exception If a log-odds value has no probability in double precision
+   * (|log-odds| > 36). */
+  void toOctoMap(COctoMap& o) const;
+  /** @} */
+
+  /** @name Files
+   * @{ */
+  /** Loads a `.ot` or `.bt` file, told apart by content; insertionOptions become the tree's model.
+   * \exception std::runtime_error "<path>: <reason>". */
+  void loadFromOcTreeFile(const std::string& path);
+  /** Saves all log-odds as `.ot`, or maximum likelihood as `.bt`, by the path's extension. Either
+   * the whole file is written or none. \exception std::runtime_error "<path>: <reason>". */
+  void saveToOcTreeFile(const std::string& path) const;
+  /** Writes `<prefix>_3D.3Dscene`, as MRPT's maps do, and `<prefix>.ot` with every probability. */
+  void saveMetricMapRepresentationToFile(const std::string& filNamePrefix) const override;
+  /** @} */
+
+  bool isEmpty() const override { return m_octree->size() == 0; }
+  std::string asString() const override;
+  void getVisualizationInto(mrpt::opengl::CSetOfObjects& o) const override;
+  /** Fills an MRPT voxel object as COctoMap does: same voxel sets, colours and renderingOptions. */
+  void getAsOctoMapVoxels(mrpt::opengl::COctoMapVoxels& gl_obj) const;
+
+ protected:
+  void internal_clear() override;
+  bool internal_insertObservation(
+      const mrpt::obs::CObservation& obs,
+      const std::optional<const mrpt::poses::CPose3D>& robotPose = std::nullopt) override;
+  double internal_computeObservationLikelihood(
+      const mrpt::obs::CObservation& obs, const mrpt::poses::CPose3D& takenFrom) const override;
+  bool internal_canComputeObservationLikelihood(const mrpt::obs::CObservation& obs) const override;
+
+ private:
+  void applySensorModel();
+
+  std::unique_ptr<octomap::OcTree> m_octree;
+};
+
+}  // namespace mrpt::maps

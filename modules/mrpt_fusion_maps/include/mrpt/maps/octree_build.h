@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <octomap/OcTree.h>
+
+#include <cstdint>
+
+/** \file
+ * Building a whole octomap::OcTree top-down in one traversal, instead of one setNodeValue() from
+ * the root per voxel. Log-odds are stored as given: nothing is clamped.
+ */
+
+namespace mrpt::maps {
+
+/** A cube of an octree's grid: its lowest-corner key at the finest level, and its depth
+ * (0: the root's cube, 16: a finest voxel). */
+struct OcTreeCube {
+  octomap::OcTreeKey key{0, 0, 0};
+  unsigned depth = 0;
+
+  static constexpr unsigned kMaxDepth = 16;
+
+  /** Side in finest voxels. */
+  uint32_t side() const { return 1U << (kMaxDepth - depth); }
+
+  /** The i-th of eight children, in OctoMap's order (bit 0: x, bit 1: y, bit 2: z). */
+  OcTreeCube child(unsigned i) const {
+    OcTreeCube c{key, depth + 1};
+    const uint32_t half = c.side();
+    for (unsigned axis = 0; axis < 3; axis++)
+      if ((i >> axis) & 1U) c.key[axis] = static_cast<octomap::key_type>(c.key[axis] + half);
+    return c;
+  }
+};
+
+/** What a cube of the tree under construction holds. */
+struct OcTreeFill {
+  enum class Kind { Unknown, Leaf, Split } kind = Kind::Unknown;
+  float log_odds = 0;
+
+  static OcTreeFill unknown() { return {}; }
+  static OcTreeFill leaf(float log_odds) { return {Kind::Leaf, log_odds}; }
+  static OcTreeFill split() { return {Kind::Split, 0}; }
+};
+
+/** Reaches what octomap::OcTree keeps protected: its root and its sensor model's log-odds. */
+class OcTreeAccess : private octomap::OcTree {
+ public:
+  /** Gives an empty tree its root node. */
+  static octomap::OcTreeNode* createRoot(octomap::OcTree& tree) {
+    tree.*(&OcTreeAccess::root) = new octomap::OcTreeNode();
+    tree.*(&OcTreeAccess::tree_size) = 1;
+    tree.*(&OcTreeAccess::size_changed) = true;
+    return tree.getRoot();
+  }
+
+  /** The five log-odds of the sensor model, bit for bit (OctoMap's setters take probabilities and
+   * round): clamping minimum and maximum, hit, miss, occupancy threshold. */
+  struct SensorModel {
+    float clamp_min, clamp_max, hit, miss, occupancy_threshold;
+  };
+  static SensorModel sensorModel(const octomap::OcTree& t) {
+    return {t.getClampingThresMinLog(), t.getClampingThresMaxLog(), t.getProbHitLog(),
+            t.getProbMissLog(), t.getOccupancyThresLog()};
+  }
+  static void setSensorModel(octomap::OcTree& t, const SensorModel& m) {
+    t.*(&OcTreeAccess::clamping_thres_min) = m.clamp_min;
+    t.*(&OcTreeAccess::clamping_thres_max) = m.clamp_max;
+    t.*(&OcTreeAccess::prob_hit_log) = m.hit;
+    t.*(&OcTreeAccess::prob_miss_log) = m.miss;
+    t.*(&OcTreeAccess::occ_prob_thres_log) = m.occupancy_threshold;
+  }
+};
+
+namespace detail {
+
+/** A node that is created, with its ancestors, when the first known cube below it is found. */
+struct LazyNode {
+  octomap::OcTree& tree;
+  LazyNode* parent;
+  unsigned index;
+  octomap::OcTreeNode* node = nullptr;
+
+  octomap::OcTreeNode* get() {
+    if (!node)
+      node = parent ? tree.createNodeChild(parent->get(), index) : OcTreeAccess::createRoot(tree);
+    return node;
+  }
+};
+
+template <class Visitor>
+void buildOcTreeNode(LazyNode& self, const OcTreeCube& cube, typename Visitor::State& state,
+                     Visitor& visitor) {
+  const OcTreeFill fill = visitor.visit(cube, state);
+  if (fill.kind == OcTreeFill::Kind::Unknown) return;
+  if (fill.kind == OcTreeFill::Kind::Leaf) {
+    self.get()->setLogOdds(fill.log_odds);
+    return;
+  }
+  for (unsigned i = 0; i < 8; i++) {
+    LazyNode child{self.tree, &self, i};
+    const OcTreeCube child_cube = cube.child(i);
+    auto child_state = visitor.descend(state, i, child_cube);
+    buildOcTreeNode(child, child_cube, child_state, visitor);
+  }
+  if (self.node && !self.tree.pruneNode(self.node)) self.node->updateOccupancyChildren();
+}
+
+}  // namespace detail
+
+/** Fills an empty tree by asking \a visitor what each cube holds, from the root down.
+ *
+ * Visitor has a type State (what it knows of a cube), and
+ *  - `OcTreeFill visit(const OcTreeCube&, State&)`: unknown, one value, or split (never at the
+ *    finest depth);
+ *  - `State descend(const State&, unsigned i, const OcTreeCube& child)`: state of the i-th child.
+ *
+ * Equal siblings are pruned and inner nodes hold their children's maximum, as OctoMap keeps them.
+ * \param[in,out] tree An empty tree; its resolution and sensor model are not touched.
+ */
+template <class Visitor>
+void buildOcTree(octomap::OcTree& tree, typename Visitor::State root_state, Visitor& visitor) {
+  detail::LazyNode root{tree, nullptr, 0};
+  detail::buildOcTreeNode(root, OcTreeCube{}, root_state, visitor);
+}
+
+}  // namespace mrpt::maps

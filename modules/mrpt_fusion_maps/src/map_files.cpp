@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/io/CFileGZInputStream.h>
+#include <mrpt/io/CMemoryStream.h>
+#include <mrpt/io/zip.h>
+#include <mrpt/maps/CMultiMetricMap.h>
+#include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/maps/map_files.h>
+#include <mrpt/maps/octree_io.h>
+#include <mrpt/obs/CActionCollection.h>
+#include <mrpt/obs/CObservationOdometry.h>
+#include <mrpt/obs/CObservationRobotPose.h>
+#include <mrpt/obs/CRawlog.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/poses/CPose3DInterpolator.h>
+#include <mrpt/serialization/CArchive.h>
+#include <mrpt/system/filesystem.h>
+
+#include <fstream>
+#include <stdexcept>
+
+using namespace mrpt::obs;
+using mrpt::poses::CPose3D;
+using mrpt::serialization::CSerializable;
+
+namespace mrpt::maps {
+namespace {
+
+/** First line of an exception's text: MRPT appends call stacks. */
+std::string oneLine(const std::exception& e) {
+  const std::string text = e.what();
+  return text.substr(0, text.find('\n'));
+}
+
+/** Reads the MRPT objects of a file one by one. */
+class ObjectReader {
+ public:
+  explicit ObjectReader(const std::string& path) {
+    if (!file_.open(path)) throw std::runtime_error("cannot be opened");
+  }
+
+  /** The next object; null at the end of the file. */
+  CSerializable::Ptr next() {
+    auto archive = mrpt::serialization::archiveFrom(file_);
+    try {
+      auto object = archive.ReadObject();
+      count_++;
+      return object;
+    } catch (const mrpt::serialization::CExceptionEOF&) {
+      if (count_ == 0) throw std::runtime_error("not a map, simplemap or rawlog file");
+      return nullptr;
+    } catch (const std::exception& e) {
+      if (count_ == 0)
+        throw std::runtime_error("not a map, simplemap or rawlog file (" + oneLine(e) + ")");
+      throw std::runtime_error("truncated or corrupt after " + std::to_string(count_) +
+                               " objects (" + oneLine(e) + ")");
+    }
+  }
+
+ private:
+  mrpt::io::CFileGZInputStream file_;
+  size_t count_ = 0;
+};
+
+/** The map under construction. */
+class Builder {
+ public:
+  explicit Builder(const BuildParams& params) : params_(params) {
+    TSetOfMetricMapInitializers definition;
+    if (params.config)
+      definition.loadFromConfigFile(*params.config, params.section);
+    else
+      definition.push_back(CProbOctoMap::TMapDefinition());
+    if (definition.size() == 0)
+      throw std::runtime_error("the map definition in section [" + params.section +
+                               "] asks for no map");
+    maps_.setListOfMaps(definition);
+  }
+
+  void insert(const CObservation& obs, const CPose3D& robot) {
+    obs.load();
+    if (maps_.insertObservation(obs, robot))
+      inserted_++;
+    else
+      ignored_++;
+    if (params_.progress) params_.progress(inserted_);
+  }
+  void ignore() { ignored_++; }
+
+  BuiltMap finish() {
+    if (inserted_ == 0) throw std::runtime_error("no observation in it could be inserted in the map");
+    BuiltMap built;
+    built.map = maps_.maps.size() == 1 ? CMetricMap::Ptr(maps_.maps.front())
+                                       : std::make_shared<CMultiMetricMap>(maps_);
+    built.inserted = inserted_;
+    built.ignored = ignored_;
+    return built;
+  }
+
+ private:
+  const BuildParams& params_;
+  CMultiMetricMap maps_;
+  size_t inserted_ = 0, ignored_ = 0;
+};
+
+void buildFromSimpleMap(const CSimpleMap& frames, Builder& builder) {
+  for (size_t i = 0; i < frames.size(); i++) {
+    const auto [pdf, observations] = frames.get(i);
+    CPose3D pose;
+    pdf->getMean(pose);
+    for (const auto& obs : *observations) builder.insert(*obs, pose);
+  }
+}
+
+/** The robot's path as a rawlog of observations tells it. */
+mrpt::poses::CPose3DInterpolator readPath(const std::string& path) {
+  mrpt::poses::CPose3DInterpolator poses, odometry;
+  ObjectReader reader(path);
+  while (const auto object = reader.next()) {
+    if (const auto* pose = dynamic_cast<const CObservationRobotPose*>(object.get()))
+      poses.insert(pose->timestamp, pose->pose.mean);
+    else if (const auto* odo = dynamic_cast<const CObservationOdometry*>(object.get()))
+      odometry.insert(odo->timestamp, CPose3D(odo->odometry));
+  }
+  auto& known = poses.empty() ? odometry : poses;
+  known.setInterpolationMethod(mrpt::poses::imLinearSlerp);
+  return known;
+}
+
+void buildFromRawlog(const std::string& path, Builder& builder) {
+  const auto known_poses = readPath(path);
+  CPose3D dead_reckoning;  // of the actions format
+  bool has_actions = false;
+  ObjectReader reader(path);
+  while (const auto object = reader.next()) {
+    if (const auto* actions = dynamic_cast<const CActionCollection*>(object.get())) {
+      CPose3D increment;
+      if (actions->getFirstMovementEstimationMean(increment))
+        dead_reckoning = dead_reckoning + increment;
+      has_actions = true;
+    } else if (const auto* frame = dynamic_cast<const CSensoryFrame*>(object.get())) {
+      if (!has_actions) throw std::runtime_error("has observations but no robot movements");
+      for (const auto& obs : *frame) builder.insert(*obs, dead_reckoning);
+    } else if (dynamic_cast<const CObservationRobotPose*>(object.get()) ||
+               dynamic_cast<const CObservationOdometry*>(object.get())) {
+      continue;  // in known_poses
+    } else if (const auto* obs = dynamic_cast<const CObservation*>(object.get())) {
+      if (known_poses.empty())
+        throw std::runtime_error(
+            "has no robot poses (CObservationRobotPose, CObservationOdometry or actions) to place "
+            "its observations with");
+      CPose3D pose;
+      bool valid = false;
+      known_poses.interpolate(obs->timestamp, pose, valid);
+      if (valid)
+        builder.insert(*obs, pose);
+      else
+        builder.ignore();
+    }
+  }
+}
+
+bool isRecording(const CSerializable& first) {
+  return dynamic_cast<const CSimpleMap*>(&first) || dynamic_cast<const CObservation*>(&first) ||
+         dynamic_cast<const CActionCollection*>(&first) ||
+         dynamic_cast<const CSensoryFrame*>(&first);
+}
+
+BuiltMap buildFrom(const std::string& path, const CSerializable& first, const BuildParams& params) {
+  Builder builder(params);
+  if (const auto* frames = dynamic_cast<const CSimpleMap*>(&first)) {
+    buildFromSimpleMap(*frames, builder);
+  } else {
+    mrpt::img::CImage::setImagesPathBase(CRawlog::detectImagesDirectory(path));
+    buildFromRawlog(path, builder);
+  }
+  return builder.finish();
+}
+
+std::string beginningOf(const std::string& path) {
+  std::ifstream f(path, std::ios::binary);
+  std::string bytes(64, '\0');
+  f.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<size_t>(f.gcount()));
+  return bytes;
+}
+
+/** Reports whatever goes wrong as "<path>: <reason>". */
+template <class F>
+auto withPath(const std::string& path, F&& f) {
+  try {
+    return f();
+  } catch (const std::exception& e) {
+    throw std::runtime_error(path + ": " + oneLine(e));
+  }
+}
+
+/** The first object of a file that is not an octree's. \exception If it cannot be read at all. */
+CSerializable::Ptr firstObject(const std::string& path) {
+  if (beginningOf(path).empty()) readFileBytes(path);  // says why: missing, a directory, empty
+  return ObjectReader(path).next();
+}
+
+}  // namespace
+
+std::shared_ptr<const CProbOctoMap> asProbOctoMap(const CMetricMap& map) {
+  if (const auto* ours = dynamic_cast<const CProbOctoMap*>(&map))
+    return {std::shared_ptr<const CProbOctoMap>(), ours};  // not owned
+  if (const auto* theirs = dynamic_cast<const COctoMap*>(&map))
+    return std::make_shared<const CProbOctoMap>(*theirs);
+  if (const auto* several = dynamic_cast<const CMultiMetricMap*>(&map))
+    for (const auto& m : several->maps)
+      if (auto found = asProbOctoMap(*m)) return found;
+  return nullptr;
+}
+
+BuiltMap buildMap(const std::string& path, const BuildParams& params) {
+  return withPath(path, [&] {
+    const auto first = firstObject(path);
+    if (!isRecording(*first)) throw std::runtime_error("is not a simplemap or a rawlog");
+    return buildFrom(path, *first, params);
+  });
+}
+
+std::shared_ptr<const CProbOctoMap> loadMap(const std::string& path, const BuildParams& params) {
+  return withPath(path, [&]() -> std::shared_ptr<const CProbOctoMap> {
+    if (isOcTreeFile(beginningOf(path)))
+      return std::make_shared<const CProbOctoMap>(parseOcTreeFile(readFileBytes(path)));
+
+    CMetricMap::Ptr map;
+    const auto first = firstObject(path);
+    if (isRecording(*first))
+      map = buildFrom(path, *first, params).map;
+    else
+      map = std::dynamic_pointer_cast<CMetricMap>(first);
+    auto octomap = map ? asProbOctoMap(*map) : nullptr;
+    if (!octomap)
+      throw std::runtime_error(std::string("a ") + (map ? map : first)->GetRuntimeClass()->className +
+                               " is not, and holds no, 3-D occupancy map");
+    // The octomap may be a part of the object read: keep that alive with it.
+    return {std::make_shared<std::pair<CMetricMap::Ptr, decltype(octomap)>>(map, octomap),
+            octomap.get()};
+  });
+}
+
+void saveMap(const CMetricMap& map, const std::string& path) {
+  const std::string extension = mrpt::system::extractFileExtension(path);
+  if (extension == "ot" || extension == "bt") {
+    const auto octomap = asProbOctoMap(map);
+    if (!octomap)
+      throw std::runtime_error(path + ": a " + map.GetRuntimeClass()->className +
+                               " cannot be saved as an octree");
+    octomap->saveToOcTreeFile(path);
+    return;
+  }
+  mrpt::io::CMemoryStream memory;
+  mrpt::serialization::archiveFrom(memory) << map;
+  const auto* bytes = static_cast<const char*>(memory.getRawBufferData());
+  const auto size = static_cast<size_t>(memory.getTotalBytesCount());
+  if (extension != "gz") {
+    writeFileAtomically(path, {bytes, size});
+    return;
+  }
+  std::vector<uint8_t> plain(bytes, bytes + size), compressed;
+  if (!mrpt::io::zip::compress_gz_data_block(plain, compressed))
+    throw std::runtime_error(path + ": cannot be compressed");
+  writeFileAtomically(path, {reinterpret_cast<const char*>(compressed.data()), compressed.size()});
+}
+
+}  // namespace mrpt::maps

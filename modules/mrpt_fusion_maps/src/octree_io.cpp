@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fcntl.h>
+#include <mrpt/maps/octree_build.h>
+#include <mrpt/maps/octree_io.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <stdexcept>
+
+namespace mrpt::maps {
+namespace {
+
+constexpr std::string_view kOtMagic = "# Octomap OcTree file";
+constexpr std::string_view kBtMagic = "# Octomap OcTree binary file";
+
+bool startsWith(std::string_view s, std::string_view prefix) {
+  return s.substr(0, prefix.size()) == prefix;
+}
+
+[[noreturn]] void corrupt(const std::string& why) { throw std::runtime_error(why); }
+
+/** Takes values off the front of a byte range, never past its end. */
+class ByteReader {
+ public:
+  explicit ByteReader(std::string_view bytes) : bytes_(bytes) {}
+
+  template <class T>
+  T take() {
+    T value;
+    if (bytes_.size() < sizeof(T)) corrupt("the map's data is truncated");
+    std::memcpy(&value, bytes_.data(), sizeof(T));
+    bytes_.remove_prefix(sizeof(T));
+    return value;
+  }
+  void skip(size_t n) {
+    if (bytes_.size() < n) corrupt("the map's data is truncated");
+    bytes_.remove_prefix(n);
+  }
+
+ private:
+  std::string_view bytes_;
+};
+
+void checkDepth(unsigned depth) {
+  if (depth > OcTreeCube::kMaxDepth) corrupt("the map's data is corrupt: nodes deeper than 16");
+}
+
+/** One node of a `.ot` body and all below it. \return Number of nodes read. */
+size_t readNode(ByteReader& in, octomap::OcTree& tree, octomap::OcTreeNode* node, unsigned depth,
+                size_t extra_bytes) {
+  checkDepth(depth);
+  const auto log_odds = in.take<float>();
+  if (!std::isfinite(log_odds)) corrupt("the map's data is corrupt: log-odds that are not finite");
+  node->setLogOdds(log_odds);
+  in.skip(extra_bytes);
+  const auto children = in.take<uint8_t>();
+  size_t count = 1;
+  for (unsigned i = 0; i < 8; i++)
+    if ((children >> i) & 1U)
+      count += readNode(in, tree, tree.createNodeChild(node, i), depth + 1, extra_bytes);
+  return count;
+}
+
+/** The children of one node of a `.bt` body, two bits each: 0 unknown, 1 free, 2 occupied, 3 has
+ * children. \return Number of nodes read, this one included. */
+size_t readBinaryNode(ByteReader& in, octomap::OcTree& tree, octomap::OcTreeNode* node,
+                      unsigned depth) {
+  const auto children = in.take<uint16_t>();
+  if (children) checkDepth(depth + 1);
+  size_t count = 1;
+  for (unsigned i = 0; i < 8; i++) {
+    const unsigned kind = (children >> (2 * i)) & 3U;
+    if (!kind) continue;
+    auto* child = tree.createNodeChild(node, i);
+    if (kind != 3) {
+      child->setLogOdds(kind == 2 ? tree.getClampingThresMaxLog() : tree.getClampingThresMinLog());
+      count++;
+    }
+  }
+  // As OctoMap writes them: all eight kinds first, then the subtrees.
+  for (unsigned i = 0; i < 8; i++)
+    if (((children >> (2 * i)) & 3U) == 3)
+      count += readBinaryNode(in, tree, tree.getNodeChild(node, i), depth + 1);
+  if (children)
+    node->updateOccupancyChildren();
+  else
+    corrupt("the map's data is corrupt: an inner node without children");
+  return count;
+}
+
+struct Header {
+  std::string id;
+  size_t size = 0;
+  double resolution = 0;
+  std::string_view data;
+};
+
+Header parseHeader(std::string_view bytes) {
+  Header h;
+  bool has_size = false;
+  while (true) {
+    const size_t eol = bytes.find('\n');
+    if (eol == std::string_view::npos) corrupt("the header ends before its 'data' line");
+    std::istringstream line(std::string(bytes.substr(0, std::min(eol, size_t{256}))));
+    bytes.remove_prefix(eol + 1);
+    std::string word;
+    line >> word;
+    if (word == "data") break;
+    if (word == "id")
+      line >> h.id;
+    else if (word == "size")
+      has_size = static_cast<bool>(line >> h.size);
+    else if (word == "res")
+      line >> h.resolution;
+  }
+  if (h.id.empty()) corrupt("the header has no 'id'");
+  if (!has_size) corrupt("the header has no valid 'size'");
+  if (!(h.resolution > 0) || !std::isfinite(h.resolution))
+    corrupt("the header has no valid 'res' (voxel size in metres)");
+  h.data = bytes;
+  return h;
+}
+
+void writeNode(const octomap::OcTree& tree, const octomap::OcTreeNode* node, std::string& out) {
+  const float log_odds = node->getLogOdds();
+  uint8_t children = 0;
+  for (unsigned i = 0; i < 8; i++)
+    if (tree.nodeChildExists(node, i)) children |= static_cast<uint8_t>(1U << i);
+  out.append(reinterpret_cast<const char*>(&log_odds), sizeof(log_odds));
+  out.push_back(static_cast<char>(children));
+  for (unsigned i = 0; i < 8; i++)
+    if ((children >> i) & 1U) writeNode(tree, tree.getNodeChild(node, i), out);
+}
+
+std::string systemError(const std::string& what) { return what + ": " + std::strerror(errno); }
+
+}  // namespace
+
+bool isOcTreeFile(std::string_view bytes) {
+  return startsWith(bytes, kOtMagic) || startsWith(bytes, kBtMagic);
+}
+
+size_t parseNodes(std::string_view bytes, octomap::OcTree& tree, size_t extra_bytes_per_node) {
+  if (bytes.empty()) return 0;
+  ByteReader in(bytes);
+  return readNode(in, tree, OcTreeAccess::createRoot(tree), 0, extra_bytes_per_node);
+}
+
+std::unique_ptr<octomap::OcTree> parseOcTreeFile(std::string_view bytes) {
+  const bool binary = startsWith(bytes, kBtMagic);
+  if (!binary && !startsWith(bytes, kOtMagic)) corrupt("not an OctoMap file (.ot or .bt)");
+
+  const Header h = parseHeader(bytes);
+  const bool colour = !binary && h.id == "ColorOcTree";
+  if (h.id != "OcTree" && !colour) corrupt("trees of type '" + h.id + "' are not supported");
+
+  auto tree = std::make_unique<octomap::OcTree>(h.resolution);
+  size_t count = 0;
+  if (h.size > 0) {
+    if (binary) {
+      ByteReader in(h.data);
+      count = readBinaryNode(in, *tree, OcTreeAccess::createRoot(*tree), 0);
+    } else {
+      count = parseNodes(h.data, *tree, colour ? 3 : 0);
+    }
+  }
+  if (count != h.size)
+    corrupt("the header announces " + std::to_string(h.size) + " nodes, the data holds " +
+            std::to_string(count));
+  return tree;
+}
+
+std::string serializeNodes(const octomap::OcTree& tree) {
+  std::string out;
+  if (!tree.getRoot()) return out;
+  out.reserve(tree.size() * 5);
+  writeNode(tree, tree.getRoot(), out);
+  return out;
+}
+
+std::string toOtFile(const octomap::OcTree& tree) {
+  char resolution[32] = {};  // shortest text that reads back to the same double
+  std::to_chars(resolution, std::end(resolution), tree.getResolution());
+  std::ostringstream header;
+  header << kOtMagic
+         << "\n# (feel free to add / change comments, but leave the first line as it is!)"
+         << "\n#\nid OcTree\nsize " << tree.size() << "\nres " << resolution << "\ndata\n";
+  return header.str() + serializeNodes(tree);
+}
+
+std::string toBtFile(const octomap::OcTree& tree) {
+  octomap::OcTree copy(tree);
+  std::ostringstream out;
+  out.precision(17);
+  copy.writeBinary(out);
+  return out.str();
+}
+
+std::string readFileBytes(const std::string& path) {
+  struct stat st {};
+  if (::stat(path.c_str(), &st) != 0) throw std::runtime_error(systemError("cannot be opened"));
+  if (S_ISDIR(st.st_mode)) throw std::runtime_error("is a directory, not a file");
+  std::ifstream f(path, std::ios::binary);
+  if (!f) throw std::runtime_error(systemError("cannot be opened"));
+  std::string bytes{std::istreambuf_iterator<char>(f), std::istreambuf_iterator<char>()};
+  if (f.bad()) throw std::runtime_error(systemError("cannot be read"));
+  if (bytes.empty()) throw std::runtime_error("is empty");
+  return bytes;
+}
+
+void writeFileAtomically(const std::string& path, std::string_view bytes) {
+  // A device or a pipe has no contents to protect, and a rename would replace it by a file.
+  struct stat st {};
+  const bool in_place = ::stat(path.c_str(), &st) == 0 && !S_ISREG(st.st_mode);
+  std::string name = in_place ? path : path + ".XXXXXX";
+  const int fd = in_place ? ::open(name.c_str(), O_WRONLY) : ::mkstemp(name.data());
+  const auto fail = [&] {
+    const std::string why = systemError(path + ": cannot be written");
+    if (fd >= 0) ::close(fd);
+    if (fd >= 0 && !in_place) ::unlink(name.c_str());
+    throw std::runtime_error(why);
+  };
+  if (fd < 0) fail();
+  for (size_t done = 0; done < bytes.size();) {
+    const ssize_t n = ::write(fd, bytes.data() + done, bytes.size() - done);
+    if (n < 0 && errno != EINTR) fail();
+    if (n > 0) done += static_cast<size_t>(n);
+  }
+  if (!in_place) {
+    // mkstemp() makes the file private; give it the rights any new file would have.
+    const mode_t mask = ::umask(0);
+    ::umask(mask);
+    if (::fchmod(fd, 0666 & ~mask) != 0 || ::fsync(fd) != 0) fail();
+    if (::rename(name.c_str(), path.c_str()) != 0) fail();
+  }
+  ::close(fd);
+}
+
+}  // namespace mrpt::maps
