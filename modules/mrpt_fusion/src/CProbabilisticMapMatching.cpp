@@ -63,12 +63,25 @@ std::vector<Entry> entriesOf(CProbabilisticMapMatching::TConfigParams& o) {
   add("direction_radius", e.direction_radius, 0, 100,
       "Of the edge voxels that make an edge's covariance, eq. (6), m");
   auto& m = o.match;
+  add("search_translation", m.search.translation, 0, 1000,
+      "Half width of the search around the guess in x and y, m; 0: start at the guess alone");
+  add("search_height", m.search.height, 0, 1000, "Half width of the search in z, m");
+  add("search_yaw_deg", m.search.yaw, 0, 180, "Half width of the search in yaw, deg", deg);
+  add("search_cell", m.search.cell, 1e-3, 1000, "Coarse cell of the search, at least 2 voxels, m");
+  add("search_hypotheses", m.search.hypotheses, 0, 1000,
+      "Starts that the search hands on, beside the guess", count);
   add("k1", m.weights.k1, 0, kInf, "Factor of the occupancy weight, eq. (19)");
   add("k2", m.weights.k2, 0, kInf, "Factor of the direction weight, eq. (20)");
   add("edge_gate", m.edge_level.gate, 0, kInf, "Gate of edge pairs, m (Table I: 2)");
+  add("edge_final_gate", m.edge_level.final_gate, 0, kInf,
+      "The gate of edge pairs shrinks to this, by a fifth each iteration, m");
   add("edge_iterations", m.edge_level.max_iterations, 0, kInf,
       "Most iterations at the edge level; 0: skip the level", count);
   add("voxel_gate", m.voxel_level.gate, 0, kInf, "Gate of voxel pairs, m (Table I: 0.5)");
+  add("voxel_final_gate", m.voxel_level.final_gate, 0, kInf,
+      "The gate of voxel pairs shrinks to this, by a fifth each iteration, m (least: 2 voxels)");
+  add("flatness", m.flatness, 1e-6, 1,
+      "Of a piece of surface: variance across over variance along it (voxel_metric = surface)");
   add("voxel_iterations", m.voxel_level.max_iterations, 0, kInf,
       "Most iterations at the voxel level", count);
   add("min_step_translation", m.min_step_translation, 0, kInf,
@@ -90,10 +103,9 @@ template <class E>
 using Names = std::vector<std::pair<E, const char*>>;
 const Names<VoxelCovariance> kCovarianceNames = {{VoxelCovariance::Plain, "plain"},
                                                  {VoxelCovariance::Quantisation, "quantisation"}};
-const Names<MergePolicy> kPolicyNames = {{MergePolicy::RelativeEntropy, "relative_entropy"},
-                                         {MergePolicy::Average, "average"},
-                                         {MergePolicy::Stitch, "stitch"},
-                                         {MergePolicy::Bayes, "bayes"}};
+const Names<VoxelMetric> kMetricNames = {{VoxelMetric::Point, "point"},
+                                         {VoxelMetric::Surface, "surface"}};
+constexpr const char* kMetricKey = "voxel_metric";
 constexpr const char* kCovarianceKey = "voxel_covariance";
 constexpr const char* kPolicyKey = "merge_policy";
 
@@ -131,7 +143,7 @@ void CProbabilisticMapMatching::TConfigParams::loadFromConfigFile(
   std::vector<std::string> keys;
   source.getAllKeys(section, keys);
   for (const auto& key : keys) {
-    const bool known = key == kCovarianceKey || key == kPolicyKey ||
+    const bool known = key == kMetricKey || key == kCovarianceKey || key == kPolicyKey ||
                        std::any_of(entries.begin(), entries.end(),
                                    [&](const Entry& e) { return key == e.key; });
     ASSERTMSG_(known, "[" + section + "] has an unknown key '" + key + "'");
@@ -151,8 +163,9 @@ void CProbabilisticMapMatching::TConfigParams::loadFromConfigFile(
                             e.unit == Entry::Unit::Count ? "whole number" : "number", e.min, e.max));
     e.set(e.unit == Entry::Unit::Degrees ? value * M_PI / 180 : value);
   }
+  loadEnum(source, section, kMetricKey, kMetricNames, loaded.match.voxel_metric);
   loadEnum(source, section, kCovarianceKey, kCovarianceNames, loaded.match.voxel_covariance);
-  loadEnum(source, section, kPolicyKey, kPolicyNames, loaded.merge.policy);
+  loadEnum(source, section, kPolicyKey, mergePolicyNames(), loaded.merge.policy);
   *this = loaded;
 }
 
@@ -164,10 +177,12 @@ void CProbabilisticMapMatching::TConfigParams::saveToConfigFile(
     const double value = e.unit == Entry::Unit::Degrees ? e.get() * 180 / M_PI : e.get();
     target.write(section, e.key, mrpt::format("%g", value), -1, -1, e.comment);
   }
+  target.write(section, kMetricKey, nameOf(match.voxel_metric, kMetricNames), -1, -1,
+               "Voxel level: point (eq. 22, as published), surface (along normals)");
   target.write(section, kCovarianceKey, nameOf(match.voxel_covariance, kCovarianceNames), -1, -1,
                "Unit of the voxel covariance, eq. (4): plain (m^2, as published), quantisation");
-  target.write(section, kPolicyKey, nameOf(merge.policy, kPolicyNames), -1, -1,
-               "Of voxels that both maps know: " + listOf(kPolicyNames));
+  target.write(section, kPolicyKey, nameOf(merge.policy, mergePolicyNames()), -1, -1,
+               "Of voxels that both maps know: " + listOf(mergePolicyNames()));
 }
 
 // ---------------------------------------------------------------- poses

@@ -47,7 +47,7 @@ constexpr uint32_t kUnpaired = ~uint32_t{0};
 template <class FindModel>
 Pairs associateEach(size_t n, FindModel&& find) {
   Pairs pairs(n);
-  forEachIndex(n, [&](size_t i) { pairs[i] = find(static_cast<uint32_t>(i)); });
+  forEachIndex(n, kGrain, [&](size_t i) { pairs[i] = find(static_cast<uint32_t>(i)); });
   pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
                              [](const Pair& p) { return p.model == kUnpaired; }),
               pairs.end());

@@ -36,7 +36,7 @@ struct Neighbourhood {
 
 std::vector<Eigen::Vector3f> normalsOf(const Neighbourhood& around, const EdgeParams& params) {
   std::vector<Eigen::Vector3f> normals(around.voxels.size());
-  forEachIndex(normals.size(), [&](size_t i) {
+  forEachIndex(normals.size(), kGrain, [&](size_t i) {
     // On the integer grid, so that the sums are exact.
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
@@ -62,7 +62,7 @@ std::vector<Eigen::Vector3f> normalsOf(const Neighbourhood& around, const EdgePa
 std::vector<float> angleCostsOf(const Neighbourhood& around,
                                 const std::vector<Eigen::Vector3f>& normals) {
   std::vector<float> costs(normals.size());
-  forEachIndex(costs.size(), [&](size_t i) {
+  forEachIndex(costs.size(), kGrain, [&](size_t i) {
     float sum = 0;
     int n = 0;
     around.forEach(static_cast<uint32_t>(i), [&](uint32_t j, const VoxelIndex::Offset&) {
@@ -167,7 +167,7 @@ std::vector<uint32_t> statisticalInliers(const std::vector<Eigen::Vector3f>& poi
   if (k == 0) return kept;
   const KdTree<3> tree(toDescriptors(points));
   std::vector<double> mean_distance(points.size());
-  forEachIndex(points.size(), [&](size_t i) {
+  forEachIndex(points.size(), kGrain, [&](size_t i) {
     const auto neighbours = tree.nearest(tree.point(i), k + 1);  // the point itself is one
     double sum = 0;
     for (const float squared : neighbours.squared_distance) sum += std::sqrt(squared);
@@ -192,7 +192,7 @@ std::vector<EdgeCovariance> edgeCovariances(const std::vector<Eigen::Vector3f>& 
   std::vector<EdgeCovariance> covariances(edges.size());
   if (edges.empty()) return covariances;
   const KdTree<3> tree(toDescriptors(edges));
-  forEachIndex(edges.size(), [&](size_t i) {
+  forEachIndex(edges.size(), kGrain, [&](size_t i) {
     std::vector<Eigen::Vector3f> neighbours;
     for (const uint32_t j : tree.within(tree.point(i), static_cast<float>(radius * radius)))
       neighbours.push_back(edges[j]);
@@ -225,14 +225,18 @@ std::vector<float> computeAngleCosts(const OccupiedVoxels& voxels,
 }
 
 EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const EdgeParams& params) {
-  const auto normals = computeNormals(voxels, params);
+  return extractEdges(voxels, computeNormals(voxels, params), params);
+}
+
+EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const std::vector<Eigen::Vector3f>& normals,
+                        const EdgeParams& params) {
   const auto costs = computeAngleCosts(voxels, normals, params);
 
   const VoxelIndex index(voxels.key);
   const double distance = std::max(params.trace_distance / voxels.resolution, 4.0);
   const Neighbourhood around{voxels, index, VoxelIndex::offsetsWithin(distance + 1)};
   std::vector<uint8_t> is_edge(voxels.size(), 0);
-  forEachIndex(voxels.size(), [&](size_t i) {
+  forEachIndex(voxels.size(), kGrain, [&](size_t i) {
     if (costs[i] > params.kappa)
       is_edge[i] = isBend(around, static_cast<uint32_t>(i), normals[i], distance, params);
   });

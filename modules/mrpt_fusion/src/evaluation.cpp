@@ -55,7 +55,7 @@ double acceptanceThreshold(double overlap) { return std::clamp(0.9 - overlap / 2
 FreeSpaceCheck checkFreeSpace(const octomap::OcTree& model, const OccupiedVoxels& scene,
                               const Eigen::Isometry3d& T_model_scene) {
   std::vector<Finding> findings(scene.size());
-  forEachIndex(scene.size(), [&](size_t i) {
+  forEachIndex(scene.size(), kGrain, [&](size_t i) {
     findings[i] = findingAt(model, T_model_scene * scene.centre[i].cast<double>());
   });
   const auto count = [&](Finding f) {

@@ -1,30 +1,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/fusion/evaluation.h>
 #include <mrpt/fusion/matching.h>
+
+#include <algorithm>
 
 namespace mrpt::fusion {
 namespace {
 
-using OnIteration = std::function<void(const IterationRecord&)>;
-
 /** What differs between the two levels: how to pair, with which weights, and what to minimise. */
 struct LevelProblem {
   Level level;
-  std::function<Pairs(const Eigen::Isometry3d&, const DescriptorWeights&)> associate;
+  std::function<Pairs(const Eigen::Isometry3d&, const DescriptorWeights&, double gate)> associate;
   std::function<DescriptorWeights(double mse)> weights;
   std::function<NormalEquations(const Pairs&, const Eigen::Isometry3d&)> linearize;
 };
 
 /** The pairs at a pose. The weights need an MSE before there is one: that of the nearest neighbours
  * by distance alone. */
-Pairs firstPairs(const LevelProblem& problem, const Eigen::Isometry3d& T) {
-  const Pairs nearest = problem.associate(T, DescriptorWeights{});
-  return problem.associate(T, problem.weights(meanSquaredError(nearest)));
+Pairs firstPairs(const LevelProblem& problem, const Eigen::Isometry3d& T, double gate) {
+  const Pairs nearest = problem.associate(T, DescriptorWeights{}, gate);
+  return problem.associate(T, problem.weights(meanSquaredError(nearest)), gate);
 }
 
-/** Alternates association and optimisation until the pose stays. \return The last pairs. */
-Pairs runLevel(const LevelProblem& problem, const LevelParams& level, const MatchParams& params,
-               MatchResult& result, const OnIteration& on_iteration) {
-  Pairs pairs = firstPairs(problem, result.T_a_b);
+/** Alternates association and optimisation until the pose stays, from result.T_a_b on.
+ * \return The last pairs. */
+Pairs runLevel(const LevelProblem& problem, const LevelParams& level, double least_gate,
+               const MatchParams& params, MatchResult& result, const OnIteration& on_iteration) {
+  constexpr double kGateShrink = 0.8;
+  const double final_gate = std::min(level.gate, std::max(level.final_gate, least_gate));
+  double gate = level.gate;
+  Pairs pairs = firstPairs(problem, result.T_a_b, gate);
   for (unsigned i = 0; i < level.max_iterations; i++) {
     if (pairs.size() < MatchResult::kMinPairs) break;
     const double mse = meanSquaredError(pairs);
@@ -40,69 +45,124 @@ Pairs runLevel(const LevelProblem& problem, const LevelParams& level, const Matc
     result.T_a_b = T;
     result.iterations.push_back(record);
     if (on_iteration) on_iteration(record);
-    pairs = problem.associate(T, problem.weights(mse));
-    if (record.step_translation < params.min_step_translation &&
+    const bool gate_is_final = gate <= final_gate;
+    gate = std::max(final_gate, kGateShrink * gate);
+    pairs = problem.associate(T, problem.weights(mse), gate);
+    if (gate_is_final && record.step_translation < params.min_step_translation &&
         record.step_rotation < params.min_step_rotation)
       break;
   }
   return pairs;
 }
 
+/** The edge level, on result.T_a_b. */
+void matchEdges(const MapFeatures& a, const MapFeatures& b, const MatchParams& params,
+                MatchResult& result, const OnIteration& on_iteration) {
+  if (a.edges.size() == 0 || b.edges.size() == 0) return;
+  const double H_m = occupancyUncertainty(a.voxels.probability, b.voxels.probability);
+  const double lambda_tau = structuralUncertainty(a.edges, b.edges);
+  EdgeAssociation association(a.edges);
+  runLevel({Level::Edge,
+            [&](const auto& T, const auto& w, double gate) {
+              return association.associate(b.edges, T, w, gate);
+            },
+            [&](double mse) { return descriptorWeights(mse, H_m, lambda_tau, params.weights); },
+            [&](const Pairs& pairs, const auto& T) {
+              return linearizeEdges(a.edges, b.edges, pairs, T, params.voxel_covariance);
+            }},
+           params.edge_level, 0, params, result, on_iteration);
+}
+
+/** The voxel level without its optimisation, which judging a pose does not need. */
 LevelProblem voxelLevel(const OccupiedVoxels& a, const OccupiedVoxels& b,
-                        VoxelAssociation& association, double H_m, const MatchParams& params) {
+                        VoxelAssociation& association, const MatchParams& params) {
+  const double H_m = occupancyUncertainty(a.probability, b.probability);
   return {Level::Voxel,
-          [&](const auto& T, const auto& w) {
-            return association.associate(b, T, w, params.voxel_level.gate);
+          [&](const auto& T, const auto& w, double gate) {
+            return association.associate(b, T, w, gate);
           },
           [&params, H_m](double mse) { return descriptorWeights(mse, H_m, 0, params.weights); },
-          [&](const Pairs& pairs, const auto& T) { return linearizeVoxels(a, b, pairs, T); }};
+          {}};
+}
+
+/** The voxel level, on result.T_a_b; gives the result its covariance and pairs. */
+void matchVoxels(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& association,
+                 const MatchParams& params, MatchResult& result, const OnIteration& on_iteration) {
+  LevelProblem level = voxelLevel(a.voxels, b.voxels, association, params);
+  level.linearize = [&](const Pairs& pairs, const auto& T) {
+    return params.voxel_metric == VoxelMetric::Point
+               ? linearizeVoxels(a.voxels, b.voxels, pairs, T)
+               : linearizeSurfaces(a.voxels, a.normals, b.voxels, b.normals, pairs, T,
+                                   params.flatness);
+  };
+  const double two_voxels = 2 * std::max(a.voxels.resolution, b.voxels.resolution);
+  const Pairs last = runLevel(level, params.voxel_level, two_voxels, params, result, on_iteration);
+  if (last.size() >= MatchResult::kMinPairs)
+    result.covariance = poseCovariance(level.linearize(last, result.T_a_b), last.size());
+  result.pairs = firstPairs(level, result.T_a_b, params.voxel_level.gate);
+}
+
+/** An obstacle in the other's free space tells more than one confirmed, as any floor confirms any
+ * floor. */
+constexpr double kConflictWeight = 3;
+
+bool isEmpty(const MapFeatures& a, const MapFeatures& b) {
+  return a.voxels.size() == 0 || b.voxels.size() == 0;
 }
 
 }  // namespace
 
 MapFeatures computeFeatures(const octomap::OcTree& map, const EdgeParams& params) {
   MapFeatures f;
+  f.map = &map;
   f.voxels = extractOccupiedVoxels(map);
-  f.edges = extractEdges(f.voxels, params);
+  f.normals = computeNormals(f.voxels, params);
+  f.edges = extractEdges(f.voxels, f.normals, params);
   return f;
+}
+
+MatchResult matchTwoLevel(const MapFeatures& a, const MapFeatures& b,
+                          const Eigen::Isometry3d& T_a_b, const MatchParams& params,
+                          const OnIteration& on_iteration) {
+  MatchResult result;
+  result.T_a_b = T_a_b;
+  if (isEmpty(a, b)) return result;
+  matchEdges(a, b, params, result, on_iteration);
+  VoxelAssociation association(a.voxels);
+  matchVoxels(a, b, association, params, result, on_iteration);
+  return result;
 }
 
 MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
                       const MatchParams& params, const OnIteration& on_iteration) {
-  MatchResult result;
-  result.T_a_b = T_a_b;
-  if (a.voxels.size() == 0 || b.voxels.size() == 0) return result;
-  const double H_m = occupancyUncertainty(a.voxels.probability, b.voxels.probability);
-
-  if (a.edges.size() > 0 && b.edges.size() > 0) {
-    const double lambda_tau = structuralUncertainty(a.edges, b.edges);
-    EdgeAssociation association(a.edges);
-    runLevel({Level::Edge,
-              [&](const auto& T, const auto& w) {
-                return association.associate(b.edges, T, w, params.edge_level.gate);
-              },
-              [&](double mse) { return descriptorWeights(mse, H_m, lambda_tau, params.weights); },
-              [&](const Pairs& pairs, const auto& T) {
-                return linearizeEdges(a.edges, b.edges, pairs, T, params.voxel_covariance);
-              }},
-             params.edge_level, params, result, on_iteration);
-  }
-
+  MatchResult best = matchTwoLevel(a, b, T_a_b, params, on_iteration);
+  if (isEmpty(a, b)) return best;
+  double best_agreement = agreement(a, b, best.T_a_b);
   VoxelAssociation association(a.voxels);
-  result.pairs = runLevel(voxelLevel(a.voxels, b.voxels, association, H_m, params),
-                          params.voxel_level, params, result, on_iteration);
-  if (result.hasPairs())
-    result.covariance = poseCovariance(
-        linearizeVoxels(a.voxels, b.voxels, result.pairs, result.T_a_b), result.pairs.size());
-  return result;
+  for (const Hypothesis& h : searchAround(*a.map, b.voxels, T_a_b, params.search)) {
+    MatchResult result;
+    result.T_a_b = h.T_a_b;
+    matchVoxels(a, b, association, params, result, on_iteration);
+    const double reached = agreement(a, b, result.T_a_b);
+    if (reached <= best_agreement) continue;
+    best_agreement = reached;
+    best = std::move(result);
+  }
+  return best;
+}
+
+double agreement(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b) {
+  const FreeSpaceCheck b_in_a = checkFreeSpace(*a.map, b.voxels, T_a_b);
+  const FreeSpaceCheck a_in_b = checkFreeSpace(*b.map, a.voxels, T_a_b.inverse());
+  return static_cast<double>(b_in_a.agreeing + a_in_b.agreeing) -
+         kConflictWeight * static_cast<double>(b_in_a.conflicting + a_in_b.conflicting);
 }
 
 Pairs pairVoxels(const OccupiedVoxels& a, const OccupiedVoxels& b, const Eigen::Isometry3d& T_a_b,
                  const MatchParams& params) {
   if (a.size() == 0 || b.size() == 0) return {};
   VoxelAssociation association(a);
-  const double H_m = occupancyUncertainty(a.probability, b.probability);
-  return firstPairs(voxelLevel(a, b, association, H_m, params), T_a_b);
+  return firstPairs(voxelLevel(a, b, association, params), T_a_b, params.voxel_level.gate);
 }
 
 }  // namespace mrpt::fusion

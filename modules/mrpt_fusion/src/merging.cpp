@@ -57,6 +57,15 @@ class MergeVisitor {
 
 }  // namespace
 
+const std::vector<std::pair<MergePolicy, const char*>>& mergePolicyNames() {
+  static const std::vector<std::pair<MergePolicy, const char*>> names = {
+      {MergePolicy::RelativeEntropy, "relative_entropy"},
+      {MergePolicy::Average, "average"},
+      {MergePolicy::Stitch, "stitch"},
+      {MergePolicy::Bayes, "bayes"}};
+  return names;
+}
+
 double relativeEntropy(double p, double q) {
   p = clampedProbability(p);
   q = clampedProbability(q);

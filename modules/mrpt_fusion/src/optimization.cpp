@@ -28,6 +28,12 @@ void addPair(const Eigen::Vector3d& e, const Eigen::Vector3d& q, const Eigen::Ma
   n.error += e.dot(We);
 }
 
+/** Eq. (22)'s weight of a pair. */
+double occupancyFactor(const OccupiedVoxels& model, const OccupiedVoxels& scene, const Pair& p) {
+  return 1 / (1 / static_cast<double>(model.probability[p.model]) +
+              1 / static_cast<double>(scene.probability[p.scene]));
+}
+
 void symmetrize(NormalEquations& n) {
   n.H.bottomLeftCorner<3, 3>() = n.H.topRightCorner<3, 3>().transpose();
 }
@@ -55,15 +61,34 @@ NormalEquations linearizeEdges(const EdgeVoxels& model, const EdgeVoxels& scene,
   return n;
 }
 
+NormalEquations linearizeSurfaces(const OccupiedVoxels& model,
+                                  const std::vector<Eigen::Vector3f>& model_normal,
+                                  const OccupiedVoxels& scene,
+                                  const std::vector<Eigen::Vector3f>& scene_normal,
+                                  const Pairs& pairs, const Eigen::Isometry3d& T_a_b,
+                                  double flatness) {
+  const Eigen::Matrix3d R = T_a_b.linear();
+  NormalEquations n;
+  for (const Pair& p : pairs) {
+    const Eigen::Vector3d q = T_a_b * scene.centre[p.scene].cast<double>();
+    const Eigen::Vector3d e = model.centre[p.model].cast<double>() - q;
+    const Eigen::Vector3d n_m = model_normal[p.model].cast<double>();
+    const Eigen::Vector3d n_s = R * scene_normal[p.scene].cast<double>();
+    const Eigen::Matrix3d C = 2 * Eigen::Matrix3d::Identity() -
+                              (1 - flatness) * (n_m * n_m.transpose() + n_s * n_s.transpose());
+    addPair(e, q, occupancyFactor(model, scene, p) * C.inverse(), n);
+  }
+  symmetrize(n);
+  return n;
+}
+
 NormalEquations linearizeVoxels(const OccupiedVoxels& model, const OccupiedVoxels& scene,
                                 const Pairs& pairs, const Eigen::Isometry3d& T_a_b) {
   NormalEquations n;
   for (const Pair& p : pairs) {
     const Eigen::Vector3d q = T_a_b * scene.centre[p.scene].cast<double>();
     const Eigen::Vector3d e = model.centre[p.model].cast<double>() - q;
-    const double w = 1 / (1 / static_cast<double>(model.probability[p.model]) +
-                          1 / static_cast<double>(scene.probability[p.scene]));
-    addPair(e, q, w * Eigen::Matrix3d::Identity(), n);
+    addPair(e, q, occupancyFactor(model, scene, p) * Eigen::Matrix3d::Identity(), n);
   }
   symmetrize(n);
   return n;

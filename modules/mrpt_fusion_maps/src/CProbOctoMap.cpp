@@ -2,6 +2,7 @@
 #include <mrpt/maps/CPointsMap.h>
 #include <mrpt/maps/CProbOctoMap.h>
 #include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/maps/error_text.h>
 #include <mrpt/maps/octree_build.h>
 #include <mrpt/maps/octree_io.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
@@ -488,10 +489,8 @@ void CProbOctoMap::toOctoMap(COctoMap& o) const {
 
 // ---------------------------------------------------------------- files and drawing
 
-void CProbOctoMap::loadFromOcTreeFile(const std::string& path) try {
-  setOctree(parseOcTreeFile(readFileBytes(path)));
-} catch (const std::exception& e) {
-  throw std::runtime_error(path + ": " + e.what());
+void CProbOctoMap::loadFromOcTreeFile(const std::string& path) {
+  withPath(path, [&] { setOctree(parseOcTreeFile(readFileBytes(path))); });
 }
 
 void CProbOctoMap::saveToOcTreeFile(const std::string& path) const {

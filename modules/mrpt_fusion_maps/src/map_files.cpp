@@ -4,6 +4,7 @@
 #include <mrpt/io/zip.h>
 #include <mrpt/maps/CMultiMetricMap.h>
 #include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/maps/error_text.h>
 #include <mrpt/maps/map_files.h>
 #include <mrpt/maps/octree_io.h>
 #include <mrpt/obs/CActionCollection.h>
@@ -25,12 +26,6 @@ using mrpt::serialization::CSerializable;
 namespace mrpt::maps {
 namespace {
 
-/** First line of an exception's text: MRPT appends call stacks. */
-std::string oneLine(const std::exception& e) {
-  const std::string text = e.what();
-  return text.substr(0, text.find('\n'));
-}
-
 /** Reads the MRPT objects of a file one by one. */
 class ObjectReader {
  public:
@@ -50,9 +45,9 @@ class ObjectReader {
       return nullptr;
     } catch (const std::exception& e) {
       if (count_ == 0)
-        throw std::runtime_error("not a map, simplemap or rawlog file (" + oneLine(e) + ")");
+        throw std::runtime_error("not a map, simplemap or rawlog file (" + messageOf(e) + ")");
       throw std::runtime_error("truncated or corrupt after " + std::to_string(count_) +
-                               " objects (" + oneLine(e) + ")");
+                               " objects (" + messageOf(e) + ")");
     }
   }
 
@@ -182,16 +177,6 @@ std::string beginningOf(const std::string& path) {
   f.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<size_t>(f.gcount()));
   return bytes;
-}
-
-/** Reports whatever goes wrong as "<path>: <reason>". */
-template <class F>
-auto withPath(const std::string& path, F&& f) {
-  try {
-    return f();
-  } catch (const std::exception& e) {
-    throw std::runtime_error(path + ": " + oneLine(e));
-  }
 }
 
 /** The first object of a file that is not an octree's. \exception If it cannot be read at all. */

@@ -52,7 +52,11 @@ std::vector<float> computeAngleCosts(const OccupiedVoxels& voxels,
                                      const EdgeParams& params);
 
 /** All of Algorithm 1, and eq. (6) for what it finds.
- * Deterministic, whatever the number of threads. */
+ * Deterministic, whatever the number of threads.
+ * \param[in] normals As computeNormals() gives them, one per voxel. */
+EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const std::vector<Eigen::Vector3f>& normals,
+                        const EdgeParams& params);
+/** \overload that computes the normals. */
 EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const EdgeParams& params);
 
 }  // namespace mrpt::fusion

@@ -4,6 +4,7 @@
 #include <mrpt/fusion/association.h>
 #include <mrpt/fusion/edges.h>
 #include <mrpt/fusion/optimization.h>
+#include <mrpt/fusion/search.h>
 #include <mrpt/fusion/voxels.h>
 
 #include <Eigen/Geometry>
@@ -16,7 +17,9 @@ namespace mrpt::fusion {
 
 /** What matching needs of a map; computed once per map. */
 struct MapFeatures {
+  const octomap::OcTree* map = nullptr;  ///< not owned, must outlive the features
   OccupiedVoxels voxels;
+  std::vector<Eigen::Vector3f> normals;  ///< of the voxels, see computeNormals()
   EdgeVoxels edges;
 };
 MapFeatures computeFeatures(const octomap::OcTree& map, const EdgeParams& params);
@@ -24,15 +27,26 @@ MapFeatures computeFeatures(const octomap::OcTree& map, const EdgeParams& params
 struct LevelParams {
   unsigned max_iterations = 30;
   double gate = 2.0;  ///< pairs are closer than this by the level's descriptor distance, m
+  /** The gate shrinks to this, by a fifth each iteration, m; as published: the gate itself. */
+  double final_gate = 2.0;
+};
+
+/** What the voxel level minimises. */
+enum class VoxelMetric {
+  Point,   ///< eq. (22), as published: distance between voxels
+  Surface  ///< distance between the surfaces they are pieces of, see linearizeSurfaces()
 };
 
 struct MatchParams {
   EdgeParams edges;
+  SearchParams search;
   WeightParams weights;
   /** Unit of eq. (4) beside eq. (6) at the edge level. */
   VoxelCovariance voxel_covariance = VoxelCovariance::Plain;
-  LevelParams edge_level{30, 2.0};   ///< Table I
-  LevelParams voxel_level{30, 0.5};  ///< Table I
+  LevelParams edge_level{30, 2.0, 2.0};   ///< Table I
+  LevelParams voxel_level{30, 0.5, 0.2};  ///< gate: Table I; never below two voxels
+  VoxelMetric voxel_metric = VoxelMetric::Surface;
+  double flatness = 0.01;  ///< of a surface voxel: variance across over variance along it
   /** A level has converged when an iteration moves the pose by less than both. */
   double min_step_translation = 1e-4;  ///< m
   double min_step_rotation = 1e-4;     ///< rad
@@ -53,11 +67,13 @@ struct MatchResult {
   Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();
   Matrix6d covariance = Matrix6d::Zero();  ///< of a left perturbation (translation, rotation)
   std::vector<IterationRecord> iterations;
-  Pairs pairs;  ///< of voxels, at T_a_b
+  Pairs pairs;  ///< of voxels at T_a_b, see pairVoxels()
   /** Fewer than this many pairs tell nothing, and no level goes on with them. */
   static constexpr size_t kMinPairs = 10;
   bool hasPairs() const { return pairs.size() >= kMinPairs; }
 };
+
+using OnIteration = std::function<void(const IterationRecord&)>;
 
 /** Eqs. (10)-(12): the pose of map B (scene) in A's frame (model) that brings B's edges, then B's
  * voxels, onto A's, from an initial guess.
@@ -69,12 +85,23 @@ struct MatchResult {
  * \param[in] on_iteration Called after each iteration, if given (progress, plots).
  * Cost: iterations * scene voxels * log(model voxels).
  */
-MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
-                      const MatchParams& params,
-                      const std::function<void(const IterationRecord&)>& on_iteration = {});
+MatchResult matchTwoLevel(const MapFeatures& a, const MapFeatures& b,
+                          const Eigen::Isometry3d& T_a_b, const MatchParams& params,
+                          const OnIteration& on_iteration = {});
 
-/** The voxel pairs at a given pose, weighted and gated as the voxel level does: what evaluateMatch()
- * judges. */
+/** As matchTwoLevel(), but from several starts (not in the paper): beside the guess itself, the best
+ * poses that searchAround() finds near it, each carried to the voxel level; the result is the one
+ * where the maps agree best, see agreement(). Without a search (params.search.translation = 0) it is
+ * matchTwoLevel(). */
+MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
+                      const MatchParams& params, const OnIteration& on_iteration = {});
+
+/** How well two maps agree at a pose: obstacles of each that the other confirms, less those that lie
+ * in the other's free space. */
+double agreement(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b);
+
+/** The voxel pairs at a given pose, weighted and gated as the voxel level begins: what
+ * evaluateMatch() judges. */
 Pairs pairVoxels(const OccupiedVoxels& a, const OccupiedVoxels& b, const Eigen::Isometry3d& T_a_b,
                  const MatchParams& params);
 

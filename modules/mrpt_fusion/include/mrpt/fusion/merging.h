@@ -5,6 +5,8 @@
 
 #include <Eigen/Geometry>
 #include <memory>
+#include <utility>
+#include <vector>
 
 /** \file The paper's Sec. V-B: one map of two. */
 
@@ -19,6 +21,9 @@ enum class MergePolicy {
                     ///< know (a baseline of the paper)
   Bayes             ///< sum of the log-odds: both maps' observations counted as independent
 };
+
+/** The policies with their names in .ini files and on the command line. */
+const std::vector<std::pair<MergePolicy, const char*>>& mergePolicyNames();
 
 struct MergeParams {
   MergePolicy policy = MergePolicy::RelativeEntropy;

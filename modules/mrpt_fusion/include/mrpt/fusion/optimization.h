@@ -30,6 +30,17 @@ NormalEquations linearizeEdges(const EdgeVoxels& model, const EdgeVoxels& scene,
 NormalEquations linearizeVoxels(const OccupiedVoxels& model, const OccupiedVoxels& scene,
                                 const Pairs& pairs, const Eigen::Isometry3d& T_a_b);
 
+/** The voxel level with directions (not in the paper, after Segal et al., "Generalized-ICP"): a voxel
+ * with a normal is a piece of surface, well known across it and hardly along it. W is eq. (22)'s
+ * factor times (C_m + R C_s R')^-1, C = I - (1 - flatness) n n', so that surfaces slide along each
+ * other; voxels without a normal have C = I. \param[in] *_normal One unit or zero vector per voxel. */
+NormalEquations linearizeSurfaces(const OccupiedVoxels& model,
+                                  const std::vector<Eigen::Vector3f>& model_normal,
+                                  const OccupiedVoxels& scene,
+                                  const std::vector<Eigen::Vector3f>& scene_normal,
+                                  const Pairs& pairs, const Eigen::Isometry3d& T_a_b,
+                                  double flatness);
+
 /** exp of a twist (translation part first, as V xi_t; rotation as a vector, rad). */
 Eigen::Isometry3d expSE3(const Vector6d& xi);
 

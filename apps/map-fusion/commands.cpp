@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "commands.h"
+
+#include <mrpt/config/CConfigFile.h>
+#include <mrpt/maps/error_text.h>
+#include <mrpt/maps/map_files.h>
+#include <mrpt/maps/octree_io.h>
+#include <mrpt/maps/octree_resampling.h>
+#include <mrpt/slam/CProbabilisticMapMatching.h>
+#include <mrpt/system/CTicTac.h>
+
+#include <iostream>
+#include <map>
+#include <memory>
+#include <stdexcept>
+
+#include "output.h"
+#include "pose.h"
+#include "report.h"
+#include "top_view.h"
+
+using mrpt::maps::CProbOctoMap;
+using mrpt::poses::CPose3D;
+using mrpt::slam::CProbabilisticMapMatching;
+using MapPtr = std::shared_ptr<const CProbOctoMap>;
+
+namespace {
+
+constexpr const char* kMatchingSection = "ProbabilisticMapMatching";
+
+/** One run of a subcommand: its settings, its maps, its report. */
+class Run {
+ public:
+  explicit Run(const Arguments& args) : args_(args), progress_(!args.quiet) {
+    report_.command = args.command;
+    for (const auto& path : {args.output, args.pose_out, args.picture, args.json})
+      if (!path.empty()) checkWritable(path, {args.a, args.b, args.config, args.init, args.pose});
+    if (!args.config.empty()) mrpt::maps::withPath(args.config, [this] { loadConfig(); });
+    pmm_.setMinLoggingLevel(args.verbose ? mrpt::system::LVL_DEBUG : mrpt::system::LVL_ERROR);
+    pmm_.onIteration = [this](const mrpt::fusion::IterationRecord& i) {
+      const char* level = i.level == mrpt::fusion::Level::Edge ? "edges" : "voxels";
+      const std::string text =
+          mrpt::format("matching %s: %zu pairs, rms distance %.3f m, step %.4f m", level, i.pairs,
+                       std::sqrt(i.mse), i.step_translation);
+      if (args_.verbose)
+        std::cerr << text << "\n";
+      else
+        progress_.show(text);
+    };
+    clock_.Tic();
+  }
+
+  int fuse() {
+    loadBoth();
+    const bool accepted = matchMaps();
+    if (accepted || args_.force) {
+      saveFused(merged());
+    } else {
+      std::cerr << "map-fusion: the match was rejected, nothing was merged (--force to merge)\n";
+    }
+    return finish(accepted);
+  }
+
+  int match() {
+    loadBoth();
+    return finish(matchMaps());
+  }
+
+  int evaluate() {
+    loadBoth();
+    report_.match = pmm_.evaluate(*a_, *b_, report_.pose->mean);
+    step("evaluate");
+    draw();
+    return finish(report_.match->evaluation.accepted);
+  }
+
+  int merge() {
+    loadBoth();
+    saveFused(merged());
+    draw();
+    return finish(true);
+  }
+
+  int edges() {
+    const MapPtr map = load("map", args_.a);
+    const auto edges = pmm_.edges(*map);
+    report_.edges = edges.size();
+    step("edges");
+    mrpt::maps::writeFileAtomically(args_.output, toPly(edges));
+    step("save");
+    return finish(true);
+  }
+
+  int transform() {
+    const CPose3D pose = parsePose(args_.pose);
+    const MapPtr map = load("map", args_.a);
+    const double resolution = args_.resolution > 0 ? args_.resolution : map->getResolution();
+    const CProbOctoMap moved(mrpt::maps::transformOcTree(
+        map->octree(), mrpt::fusion::toEigen(pose), resolution));
+    step("transform");
+    mrpt::maps::saveMap(moved, args_.output);
+    step("save");
+    report_.maps.push_back(reportOn("transformed", args_.output, moved.octree()));
+    return finish(true);
+  }
+
+  int build() {
+    const auto built = mrpt::maps::buildMap(args_.a, buildParams());
+    progress_.clear();
+    step("build");
+    mrpt::maps::saveMap(*built.map, args_.output);
+    step("save");
+    report_.observations = {built.inserted, built.ignored};
+    if (const auto octomap = mrpt::maps::asProbOctoMap(*built.map))
+      report_.maps.push_back(reportOn("map", args_.output, octomap->octree()));
+    return finish(true);
+  }
+
+  int info() {
+    load("map", args_.a);
+    return finish(true);
+  }
+
+ private:
+  void loadConfig() {
+    mrpt::maps::readFileBytes(args_.config);  // MRPT takes a missing file for an empty one
+    config_ = std::make_unique<mrpt::config::CConfigFile>(args_.config);
+    const bool has_map = config_->sectionExists(args_.section);
+    const bool has_matching = config_->sectionExists(kMatchingSection);
+    if (!has_map && !has_matching)
+      throw std::runtime_error("has no section [" + std::string(kMatchingSection) + "] nor [" +
+                               args_.section + "]");
+    if (has_matching) pmm_.options.loadFromConfigFile(*config_, kMatchingSection);
+  }
+
+  mrpt::maps::BuildParams buildParams() {
+    mrpt::maps::BuildParams params;
+    if (config_ && config_->sectionExists(args_.section)) params.config = config_.get();
+    params.section = args_.section;
+    params.progress = [this](size_t n) {
+      progress_.show("building: " + std::to_string(n) + " observations");
+    };
+    return params;
+  }
+
+  MapPtr load(const std::string& role, const std::string& path) {
+    progress_.show("loading " + path);
+    MapPtr map = mrpt::maps::loadMap(path, buildParams());
+    progress_.clear();
+    report_.maps.push_back(reportOn(role, path, map->octree()));
+    if (args_.command != "info" && report_.maps.back().statistics.occupied == 0)
+      throw std::runtime_error(path + ": the map has no occupied voxel");
+    step("load");
+    return map;
+  }
+
+  void loadBoth() {
+    if (!args_.init.empty()) report_.initial_pose = parsePose(args_.init);
+    if (!args_.policy.empty())
+      for (const auto& [policy, name] : mrpt::fusion::mergePolicyNames())
+        if (args_.policy == name) pmm_.options.merge.policy = policy;
+    if (!args_.pose.empty()) report_.pose.emplace().mean = parsePose(args_.pose);
+    a_ = load("a", args_.a);
+    b_ = load("b", args_.b);
+  }
+
+  bool matchMaps() {
+    if (!report_.initial_pose) report_.initial_pose = CPose3D();
+    progress_.show("extracting edges");
+    auto& info = report_.match.emplace();
+    const auto pdf = pmm_.Align3D(a_.get(), b_.get(), *report_.initial_pose, info);
+    progress_.clear();
+    report_.pose.emplace().copyFrom(*pdf);
+    report_.seconds.emplace_back("features", info.seconds_features);
+    report_.seconds.emplace_back("match", info.seconds_matching);
+    report_.seconds.emplace_back("evaluate", info.seconds_evaluation);
+    clock_.Tic();
+    if (!args_.pose_out.empty())
+      mrpt::maps::writeFileAtomically(args_.pose_out, toMatrixText(report_.pose->mean));
+    draw();
+    return info.evaluation.accepted;
+  }
+
+  CProbOctoMap merged() {
+    progress_.show("merging");
+    for (const auto& [policy, name] : mrpt::fusion::mergePolicyNames())
+      if (pmm_.options.merge.policy == policy) report_.policy = name;
+    CProbOctoMap fused = pmm_.merge(*a_, *b_, report_.pose->mean);
+    progress_.clear();
+    step("merge");
+    return fused;
+  }
+
+  void saveFused(const CProbOctoMap& fused) {
+    mrpt::maps::saveMap(fused, args_.output);
+    step("save");
+    report_.maps.push_back(reportOn("fused", args_.output, fused.octree()));
+  }
+
+  void draw() {
+    if (args_.picture.empty()) return;
+    std::vector<TopViewPanel> panels;
+    if (report_.initial_pose)
+      panels.push_back({"initial guess", mrpt::fusion::toEigen(*report_.initial_pose)});
+    const bool judged = report_.match.has_value();
+    panels.push_back({!judged                               ? "at the given pose"
+                      : report_.match->evaluation.accepted ? "result: accepted"
+                                                           : "result: rejected",
+                      mrpt::fusion::toEigen(report_.pose->mean)});
+    drawTopView(mrpt::fusion::extractOccupiedVoxels(a_->octree()),
+                mrpt::fusion::extractOccupiedVoxels(b_->octree()), panels, args_.picture);
+    step("picture");
+  }
+
+  void step(const char* name) {
+    auto& seconds = report_.seconds;
+    const double elapsed = clock_.Tac();
+    if (!seconds.empty() && seconds.back().first == name)
+      seconds.back().second += elapsed;
+    else
+      seconds.emplace_back(name, elapsed);
+    clock_.Tic();
+  }
+
+  int finish(bool accepted) {
+    if (!args_.quiet) print(report_, std::cout);
+    if (!args_.json.empty()) mrpt::maps::writeFileAtomically(args_.json, toJson(report_));
+    return accepted ? kDone : kRejected;
+  }
+
+  const Arguments& args_;
+  Progress progress_;
+  std::unique_ptr<mrpt::config::CConfigFile> config_;
+  CProbabilisticMapMatching pmm_;
+  mrpt::system::CTicTac clock_;
+  MapPtr a_, b_;
+  Report report_;
+};
+
+}  // namespace
+
+int run(const Arguments& arguments) {
+  static const std::map<std::string, int (Run::*)()> commands = {
+      {"fuse", &Run::fuse},           {"match", &Run::match}, {"evaluate", &Run::evaluate},
+      {"merge", &Run::merge},         {"edges", &Run::edges}, {"transform", &Run::transform},
+      {"build", &Run::build},         {"info", &Run::info}};
+  Run run(arguments);
+  return (run.*commands.at(arguments.command))();
+}

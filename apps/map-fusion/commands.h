@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+/** What the command line asks for; each subcommand uses its part. */
+struct Arguments {
+  std::string command;
+  std::string a, b;         ///< input files
+  std::string init, pose;   ///< POSE
+  std::string output;       ///< map or point cloud
+  std::string pose_out, picture, json;
+  std::string config, section = "MappingApplication";
+  std::string policy;       ///< empty: as configured
+  double resolution = 0;    ///< m; 0: that of the input
+  bool force = false, quiet = false, verbose = false;
+};
+
+/** Documented exit codes. */
+enum ExitCode { kDone = 0, kFailure = 1, kUsage = 2, kRejected = 3 };
+
+/** Runs one subcommand. \return kDone or kRejected. \exception std::exception With one line that
+ * says what went wrong and where: kFailure. */
+int run(const Arguments& arguments);

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/maps/error_text.h>
+#include <tbb/global_control.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+
+#include "commands.h"
+
+namespace {
+
+constexpr const char* kPoseHelp =
+    "\"[x y z yaw pitch roll]\" (m, deg), or a file with a 4x4 row-major matrix";
+
+/** The options that several subcommands share. */
+class CommandLine {
+ public:
+  CommandLine(CLI::App& app, Arguments& args, unsigned& threads)
+      : app_(app), args_(args), threads_(threads) {}
+
+  CLI::App* add(const std::string& name, const std::string& what, const std::string& example) {
+    auto* sub = app_.add_subcommand(name, what);
+    sub->footer("Example:\n  " + example);
+    sub->add_option("--config", args_.config,
+                    "settings: [ProbabilisticMapMatching] and, for recordings, MRPT map definitions")
+        ->type_name("FILE.ini");
+    sub->add_option("--section", args_.section, "section of --config that defines the map to build")
+        ->capture_default_str();
+    sub->add_option("--json", args_.json, "write every figure of the run to FILE")
+        ->type_name("FILE");
+    sub->add_option("--threads", threads_, "number of threads; the result does not depend on it")
+        ->check(CLI::PositiveNumber);
+    auto* quiet = sub->add_flag("-q,--quiet", args_.quiet, "no summary and no progress");
+    sub->add_flag("-v,--verbose", args_.verbose, "say what each iteration does")->excludes(quiet);
+    return sub;
+  }
+  void inputs(CLI::App* sub, bool two) {
+    const std::string kinds = "map: .ot, .bt, MRPT-serialized, or a recording to build it from";
+    sub->add_option(two ? "A" : "MAP", args_.a, kinds)->required();
+    if (two) sub->add_option("B", args_.b, kinds + "; its pose in A is sought")->required();
+  }
+  void output(CLI::App* sub, const std::string& what) {
+    sub->add_option("-o,--output", args_.output, what)->required()->type_name("FILE");
+  }
+  void init(CLI::App* sub) {
+    sub->add_option("--init", args_.init, "initial guess of B's pose in A's frame (default: 0): " +
+                                              std::string(kPoseHelp))
+        ->type_name("POSE");
+    sub->add_option("--pose-out", args_.pose_out, "write the estimated pose to FILE, as a 4x4 matrix")
+        ->type_name("FILE");
+  }
+  void pose(CLI::App* sub, const std::string& what) {
+    sub->add_option("--pose,--init", args_.pose, what + ": " + kPoseHelp)
+        ->required()
+        ->type_name("POSE");
+  }
+  void picture(CLI::App* sub) {
+    sub->add_option("--picture", args_.picture, "draw both maps from above")->type_name("FILE.png");
+  }
+  void policy(CLI::App* sub) {
+    sub->add_option("--policy", args_.policy, "value of voxels that both maps know")
+        ->check(CLI::IsMember({"relative_entropy", "average", "stitch", "bayes"}));
+  }
+
+ private:
+  CLI::App& app_;
+  Arguments& args_;
+  unsigned& threads_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Matches, evaluates and merges 3-D occupancy maps.");
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 done (and a match, if any, accepted); 1 failure: bad input, I/O; 2 wrong usage;\n"
+      "3 the match was rejected. 'map-fusion COMMAND --help' tells more.");
+  Arguments args;
+  unsigned threads = 0;
+  CommandLine line(app, args, threads);
+
+  auto* fuse = line.add("fuse", "Find B's pose in A and, if it can be trusted, merge both maps",
+                        "map-fusion fuse a.ot b.ot --init \"[4 1 0 30 0 0]\" -o fused.ot");
+  line.inputs(fuse, true);
+  line.output(fuse, "the fused map (.ot, .bt, or MRPT-serialized), in A's frame");
+  line.init(fuse);
+  line.policy(fuse);
+  line.picture(fuse);
+  fuse->add_flag("--force", args.force, "merge even if the match is rejected");
+
+  auto* match = line.add("match", "Find B's pose in A and say whether it can be trusted",
+                         "map-fusion match a.ot b.ot --init guess.txt --pose-out T_a_b.txt");
+  line.inputs(match, true);
+  line.init(match);
+  line.picture(match);
+
+  auto* evaluate = line.add("evaluate", "Say whether a given pose of B in A can be trusted",
+                            "map-fusion evaluate a.ot b.ot --pose T_a_b.txt");
+  line.inputs(evaluate, true);
+  line.pose(evaluate, "pose of B in A's frame");
+  line.picture(evaluate);
+
+  auto* merge = line.add("merge", "Merge both maps at a given pose of B in A",
+                         "map-fusion merge a.ot b.ot --pose T_a_b.txt --policy bayes -o fused.ot");
+  line.inputs(merge, true);
+  line.pose(merge, "pose of B in A's frame");
+  line.output(merge, "the fused map (.ot, .bt, or MRPT-serialized), in A's frame");
+  line.policy(merge);
+  line.picture(merge);
+
+  auto* edges = line.add("edges", "Extract the structural edge voxels of a map as a point cloud",
+                         "map-fusion edges a.ot -o edges.ply");
+  line.inputs(edges, false);
+  line.output(edges, "PLY point cloud; nx ny nz is the direction of the edge");
+
+  auto* transform = line.add("transform", "Move a map to another frame, on that frame's grid",
+                             "map-fusion transform b.ot --pose \"[1 2 0 90 0 0]\" -o moved.ot");
+  line.inputs(transform, false);
+  line.pose(transform, "pose of the map's frame in the new frame");
+  line.output(transform, "the moved map (.ot, .bt, or MRPT-serialized)");
+  transform->add_option("--resolution", args.resolution, "voxel size, m (default: the map's)")
+      ->check(CLI::PositiveNumber);
+
+  auto* build = line.add("build", "Build a map from a recording: a .rawlog or a .simplemap",
+                         "map-fusion build run.rawlog --config map.ini -o run.ot");
+  line.inputs(build, false);
+  line.output(build, "the map: .ot or .bt, else MRPT-serialized (compressed if *.gz)");
+
+  auto* info = line.add("info", "Show what a map holds", "map-fusion info a.ot");
+  line.inputs(info, false);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? kDone : kUsage;
+  }
+  args.command = app.get_subcommands().front()->get_name();
+
+  std::unique_ptr<tbb::global_control> limit;
+  if (threads > 0)
+    limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                  threads);
+  try {
+    return run(args);
+  } catch (const std::bad_alloc&) {
+    std::cerr << "map-fusion: out of memory\n";
+  } catch (const std::exception& e) {
+    std::cerr << "map-fusion: " << mrpt::maps::messageOf(e) << "\n";
+  }
+  return kFailure;
+}

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "output.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <sstream>
+#include <stdexcept>
+
+namespace fs = std::filesystem;
+
+Progress::Progress(bool wanted) : on_(wanted && ::isatty(STDERR_FILENO) == 1) {}
+
+void Progress::show(const std::string& text) {
+  if (!on_) return;
+  std::fprintf(stderr, "\r\033[K%s", text.c_str());
+  std::fflush(stderr);
+  shown_ = true;
+}
+
+void Progress::clear() {
+  if (shown_) std::fprintf(stderr, "\r\033[K");
+  shown_ = false;
+}
+
+void checkWritable(const std::string& path, const std::vector<std::string>& inputs) {
+  std::error_code ignored;
+  for (const auto& input : inputs)
+    if (fs::equivalent(path, input, ignored))
+      throw std::runtime_error(path + ": is an input and is not overwritten");
+  if (fs::is_directory(path, ignored)) throw std::runtime_error(path + ": is a directory");
+  const fs::path parent = fs::absolute(path).parent_path();
+  if (!fs::is_directory(parent, ignored))
+    throw std::runtime_error(path + ": there is no directory " + parent.string());
+  const bool exists = fs::exists(path, ignored);
+  if ((exists && ::access(path.c_str(), W_OK) != 0) || ::access(parent.c_str(), W_OK) != 0)
+    throw std::runtime_error(path + ": cannot be written: permission denied");
+}
+
+std::string toPly(const mrpt::fusion::EdgeVoxels& edges) {
+  std::ostringstream out;
+  out << "ply\nformat ascii 1.0\n"
+      << "comment structural edge voxels: nx ny nz is the direction of the edge\n"
+      << "element vertex " << edges.size() << "\n";
+  for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "probability", "linearity"})
+    out << "property float " << name << "\n";
+  out << "end_header\n";
+  for (size_t i = 0; i < edges.size(); i++) {
+    const Eigen::Vector3d tau = edges.covariance[i].direction();
+    out << edges.centre[i].transpose() << " " << tau.transpose() << " " << edges.probability[i]
+        << " " << edges.covariance[i].linearity() << "\n";
+  }
+  return out.str();
+}

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose.h"
+
+#include <mrpt/maps/error_text.h>
+#include <mrpt/maps/octree_io.h>
+#include <mrpt/slam/CProbabilisticMapMatching.h>
+
+#include <Eigen/SVD>
+#include <sstream>
+#include <stdexcept>
+#include <vector>
+
+namespace {
+
+/** All numbers in a text; throws if there is anything else, or not \a count of them. */
+std::vector<double> parseNumbers(const std::string& text, size_t count, const std::string& what) {
+  std::istringstream in(text);
+  std::vector<double> numbers;
+  std::string word;
+  while (in >> word) {
+    size_t used = 0;
+    double value = 0;
+    try {
+      value = std::stod(word, &used);
+    } catch (const std::exception&) {
+      used = 0;
+    }
+    if (used != word.size() || !std::isfinite(value))
+      throw std::runtime_error(what + ": '" + word.substr(0, 20) + "' is not a finite number");
+    numbers.push_back(value);
+  }
+  if (numbers.size() != count)
+    throw std::runtime_error(what + ": expected " + std::to_string(count) + " numbers");
+  return numbers;
+}
+
+mrpt::poses::CPose3D parseMatrix(const std::string& text) {
+  const auto v = parseNumbers(text, 16, "a 4x4 matrix");
+  const Eigen::Matrix4d M = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(v.data());
+  constexpr double kTolerance = 1e-3;
+  const Eigen::Matrix3d R = M.topLeftCorner<3, 3>();
+  const bool is_rotation = (R.transpose() * R - Eigen::Matrix3d::Identity()).norm() < kTolerance &&
+                           R.determinant() > 0;
+  const bool is_affine = (M.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() < kTolerance;
+  if (!is_rotation || !is_affine)
+    throw std::runtime_error("the 4x4 matrix is not a rigid transform");
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = svd.matrixU() * svd.matrixV().transpose();
+  T.translation() = M.topRightCorner<3, 1>();
+  return mrpt::fusion::toPose(T);
+}
+
+}  // namespace
+
+mrpt::poses::CPose3D parsePose(const std::string& text) {
+  const size_t first = text.find_first_not_of(" \t");
+  if (first != std::string::npos && text[first] == '[') {
+    const size_t last = text.find_last_not_of(" \t");
+    const std::string what = "pose '" + text + "'";
+    if (text[last] != ']') throw std::runtime_error(what + ": does not end in ']'");
+    const auto v = parseNumbers(text.substr(first + 1, last - first - 1), 6,
+                                what + " is not [x y z yaw pitch roll] (m, deg)");
+    return mrpt::poses::CPose3D(v[0], v[1], v[2], mrpt::DEG2RAD(v[3]), mrpt::DEG2RAD(v[4]),
+                                mrpt::DEG2RAD(v[5]));
+  }
+  return mrpt::maps::withPath(text, [&] { return parseMatrix(mrpt::maps::readFileBytes(text)); });
+}
+
+std::string toMatrixText(const mrpt::poses::CPose3D& pose) {
+  std::ostringstream out;
+  out.precision(12);
+  out << std::fixed << mrpt::fusion::toEigen(pose).matrix() << "\n";
+  return out.str();
+}

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report.h"
+
+#include <cstdarg>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+using mrpt::slam::CProbabilisticMapMatching;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+__attribute__((format(printf, 2, 3))) void line(std::ostream& out, const char* format, ...) {
+  char text[512];
+  va_list args;
+  va_start(args, format);
+  std::vsnprintf(text, sizeof(text), format, args);
+  va_end(args);
+  out << text << "\n";
+}
+
+std::string poseText(const mrpt::poses::CPose3D& p) {
+  char text[160];
+  std::snprintf(text, sizeof(text), "[%.4f %.4f %.4f %.3f %.3f %.3f]", p.x(), p.y(), p.z(),
+                mrpt::RAD2DEG(p.yaw()), mrpt::RAD2DEG(p.pitch()), mrpt::RAD2DEG(p.roll()));
+  return text;
+}
+
+void printMaps(const Report& r, std::ostream& out) {
+  out << "maps             voxel   occupied       free   mean entropy (nats)   size\n"
+      << "                     m     voxels     voxels   occupied    known     m\n";
+  for (const auto& m : r.maps) {
+    const auto& s = m.statistics;
+    line(out, "  %-12s %7.3f %10zu %10zu   %8.4f %8.4f     %.1f x %.1f x %.1f", m.role.c_str(),
+         m.resolution, s.occupied, s.free, s.mean_entropy_occupied, s.mean_entropy_known,
+         m.high[0] - m.low[0], m.high[1] - m.low[1], m.high[2] - m.low[2]);
+  }
+}
+
+void printMatch(const CProbabilisticMapMatching::TReturnInfo& info, std::ostream& out) {
+  const auto& e = info.evaluation;
+  size_t edge_iterations = 0;
+  for (const auto& i : info.match.iterations)
+    edge_iterations += i.level == mrpt::fusion::Level::Edge ? 1 : 0;
+  if (!info.match.iterations.empty()) {
+    line(out, "edge voxels      %zu in a, %zu in b", info.edges_m1, info.edges_m2);
+    line(out, "iterations       %zu on edges, %zu on voxels", edge_iterations,
+         info.match.iterations.size() - edge_iterations);
+  }
+  line(out, "overlap          %.1f %%  (%zu pairs)", 100 * e.overlap, e.pairs);
+  line(out, "inlier ratio     %.1f %%  (threshold %.1f %%)", 100 * e.inlier_ratio,
+       100 * e.threshold);
+  line(out, "in free space    %.1f %%  of the obstacles seen by both",
+       100 * e.free_space.conflictRatio());
+  line(out, "verdict          %s", e.accepted ? "accepted" : "REJECTED");
+  for (const auto& reason : e.reasons) out << "                 - " << reason << "\n";
+}
+
+Json poseJson(const mrpt::poses::CPose3D& p) {
+  Json matrix = Json::array();
+  const auto T = mrpt::fusion::toEigen(p).matrix();
+  for (int row = 0; row < 4; row++)
+    matrix.push_back({T(row, 0), T(row, 1), T(row, 2), T(row, 3)});
+  return {{"x", p.x()},
+          {"y", p.y()},
+          {"z", p.z()},
+          {"yaw_deg", mrpt::RAD2DEG(p.yaw())},
+          {"pitch_deg", mrpt::RAD2DEG(p.pitch())},
+          {"roll_deg", mrpt::RAD2DEG(p.roll())},
+          {"matrix", matrix}};
+}
+
+Json matchJson(const CProbabilisticMapMatching::TReturnInfo& info) {
+  const auto& e = info.evaluation;
+  Json iterations = Json::array();
+  for (const auto& i : info.match.iterations)
+    iterations.push_back({{"level", i.level == mrpt::fusion::Level::Edge ? "edge" : "voxel"},
+                          {"pairs", i.pairs},
+                          {"mse_m2", i.mse},
+                          {"step_translation_m", i.step_translation},
+                          {"step_rotation_deg", mrpt::RAD2DEG(i.step_rotation)}});
+  return {{"accepted", e.accepted},
+          {"reasons", e.reasons},
+          {"pairs", e.pairs},
+          {"inliers", e.inliers},
+          {"overlap", e.overlap},
+          {"inlier_ratio", e.inlier_ratio},
+          {"inlier_threshold", e.threshold},
+          {"mean_mahalanobis", e.mean_mahalanobis},
+          {"log_likelihood", e.log_likelihood},
+          {"free_space_conflict_ratio", e.free_space.conflictRatio()},
+          {"free_space_agreeing", e.free_space.agreeing},
+          {"free_space_conflicting", e.free_space.conflicting},
+          {"voxels_a", info.voxels_m1},
+          {"voxels_b", info.voxels_m2},
+          {"edges_a", info.edges_m1},
+          {"edges_b", info.edges_m2},
+          {"iterations", iterations}};
+}
+
+}  // namespace
+
+MapReport reportOn(const std::string& role, const std::string& path, const octomap::OcTree& map) {
+  MapReport m;
+  m.role = role;
+  m.path = path;
+  m.resolution = map.getResolution();
+  m.nodes = map.size();
+  if (map.size() > 0) {
+    map.getMetricMin(m.low[0], m.low[1], m.low[2]);
+    map.getMetricMax(m.high[0], m.high[1], m.high[2]);
+  }
+  m.statistics = mrpt::fusion::statisticsOf(map);
+  return m;
+}
+
+void print(const Report& r, std::ostream& out) {
+  if (!r.maps.empty()) printMaps(r, out);
+  if (r.observations)
+    line(out, "observations     %zu inserted, %zu ignored", r.observations->first,
+         r.observations->second);
+  if (r.edges) line(out, "edge voxels      %zu", *r.edges);
+  if (r.initial_pose)
+    line(out, "initial guess    %s", poseText(*r.initial_pose).c_str());
+  if (r.pose)
+    line(out, "pose of b in a   %s  (m, deg: x y z yaw pitch roll)", poseText(r.pose->mean).c_str());
+  if (r.match) printMatch(*r.match, out);
+  if (!r.policy.empty()) line(out, "merged by        %s", r.policy.c_str());
+  out << "seconds         ";
+  double total = 0;
+  for (const auto& [step, seconds] : r.seconds) {
+    char text[64];
+    std::snprintf(text, sizeof(text), " %s %.2f,", step.c_str(), seconds);
+    out << text;
+    total += seconds;
+  }
+  line(out, " total %.2f", total);
+}
+
+std::string toJson(const Report& r) {
+  Json json;
+  json["command"] = r.command;
+  json["maps"] = Json::array();
+  for (const auto& m : r.maps) {
+    const auto& s = m.statistics;
+    json["maps"].push_back({{"role", m.role},
+                            {"path", m.path},
+                            {"resolution_m", m.resolution},
+                            {"min_m", m.low},
+                            {"max_m", m.high},
+                            {"nodes", m.nodes},
+                            {"occupied_voxels", s.occupied},
+                            {"free_voxels", s.free},
+                            {"mean_entropy_occupied_nats", s.mean_entropy_occupied},
+                            {"mean_entropy_known_nats", s.mean_entropy_known}});
+  }
+  if (r.observations)
+    json["observations"] = {{"inserted", r.observations->first},
+                            {"ignored", r.observations->second}};
+  if (r.edges) json["edge_voxels"] = *r.edges;
+  if (r.initial_pose) json["initial_pose"] = poseJson(*r.initial_pose);
+  if (r.pose) {
+    json["pose"] = poseJson(r.pose->mean);
+    Json covariance = Json::array();
+    for (int row = 0; row < 6; row++) {
+      Json values = Json::array();
+      for (int col = 0; col < 6; col++) values.push_back(r.pose->cov(row, col));
+      covariance.push_back(values);
+    }
+    json["pose"]["covariance"] = covariance;
+  }
+  if (r.match) json["match"] = matchJson(*r.match);
+  if (!r.policy.empty()) json["policy"] = r.policy;
+  json["seconds"] = Json::object();
+  for (const auto& [step, seconds] : r.seconds) json["seconds"][step] = seconds;
+  return json.dump(2) + "\n";
+}

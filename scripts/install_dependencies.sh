@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Installs the Debian 12 packages that building, testing and the demo need. Does nothing, and needs
+# no rights, when they are all there.
+set -euo pipefail
+
+packages=(
+  cmake g++ make
+  libmrpt-maps-dev libmrpt-slam-dev # bring mrpt-obs, -opengl, -io..., Eigen and nanoflann
+  liboctomap-dev                    # also holds the real building that the demo uses
+  libeigen3-dev libtbb-dev
+  libcli11-dev nlohmann-json3-dev
+  libgtest-dev
+  mrpt-apps mrpt-common             # tests: rawlog-edit, observations2map, sample data
+)
+
+missing=()
+for p in "${packages[@]}"; do
+  dpkg-query -W -f '${Status}' "$p" 2>/dev/null | grep -q 'ok installed' || missing+=("$p")
+done
+[ ${#missing[@]} -eq 0 ] && exit 0
+
+sudo=()
+if [ "$(id -u)" -ne 0 ]; then sudo=(sudo); fi
+echo "Installing: ${missing[*]}"
+export DEBIAN_FRONTEND=noninteractive
+"${sudo[@]}" apt-get update -q
+"${sudo[@]}" apt-get install -q -y --no-install-recommends "${missing[@]}"

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+#include <mrpt/config/CConfigFileMemory.h>
+#include <mrpt/slam/CProbabilisticMapMatching.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+namespace {
+
+using Options = mrpt::slam::CProbabilisticMapMatching::TConfigParams;
+
+std::string toIni(const Options& options, const std::string& header) {
+  mrpt::config::CConfigFileMemory config;
+  options.saveToConfigFile(config, "ProbabilisticMapMatching");
+  std::string text;
+  config.getContent(text);
+  return header + text;
+}
+
+/** The published algorithm: no search, point-to-point voxels, constant gates, the statistical test
+ * alone. */
+Options paperOptions() {
+  Options o;
+  o.match.search.translation = 0;
+  o.match.voxel_metric = mrpt::fusion::VoxelMetric::Point;
+  o.match.voxel_level.final_gate = o.match.voxel_level.gate;
+  o.evaluation.max_free_conflict = 1;
+  o.evaluation.min_overlap = 0;
+  return o;
+}
+
+/** The file must hold what the code says; with UPDATE_CONFIG_FILES set it is written anew. */
+void expectFile(const std::string& name, const std::string& contents) {
+  const std::string path = std::string(CONFIG_DIR) + "/" + name;
+  if (std::getenv("UPDATE_CONFIG_FILES")) std::ofstream(path) << contents;
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  EXPECT_EQ(text.str(), contents) << "run with UPDATE_CONFIG_FILES=1 to write it anew";
+}
+
+TEST(ConfigFiles, HoldTheDefaults) {
+  expectFile("pmm.ini", toIni(Options(),
+                              "# mrpt-fusion's defaults. For map-fusion --config and "
+                              "CProbabilisticMapMatching::options.\n"));
+}
+
+TEST(ConfigFiles, HoldThePublishedAlgorithm) {
+  expectFile("pmm_paper.ini",
+             toIni(paperOptions(),
+                   "# Two-level probabilistic map matching as published (Yue et al.), with Table I's "
+                   "parameters.\n"));
+}
+
+TEST(ConfigFiles, LoadAgain) {
+  const mrpt::config::CConfigFileMemory config(toIni(paperOptions(), ""));
+  Options o;
+  o.loadFromConfigFile(config, "ProbabilisticMapMatching");
+  EXPECT_EQ(toIni(o, ""), toIni(paperOptions(), ""));
+}
+
+}  // namespace

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <octomap/octomap.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "run.h"
+
+using Json = nlohmann::json;
+
+namespace {
+
+class Fusing : public AppTest {
+ protected:
+  Json report() const { return Json::parse(readFile(dir_ / "report.json")); }
+
+  static Json mapOf(const Json& report, const std::string& role) {
+    for (const auto& m : report.at("maps"))
+      if (m.at("role") == role) return m;
+    return {};
+  }
+
+  void expectNearTruth(const fs::path& pose_file) const {
+    const Eigen::Isometry3d truth = readMatrix(pair("T_a_b.txt"));
+    const Eigen::Isometry3d T = readMatrix(pose_file);
+    EXPECT_LT((T.translation() - truth.translation()).norm(), 0.1);
+    const double angle = Eigen::AngleAxisd(T.linear() * truth.linear().transpose()).angle();
+    EXPECT_LT(angle * 180 / M_PI, 1.0);
+  }
+};
+
+TEST_F(Fusing, TwoRobotsMapsOfARealBuildingFromAGuess1mAnd10degOff) {
+  const auto r = mapFusion("fuse " + both() + " --init " + guess(1, 10) +
+                           " -o fused.ot --pose-out T.txt --picture view.png --json report.json");
+  ASSERT_EQ(r.code, 0) << r.err;
+  EXPECT_NE(r.out.find("accepted"), std::string::npos);
+  expectNearTruth(dir_ / "T.txt");
+
+  const std::unique_ptr<octomap::AbstractOcTree> fused(
+      octomap::AbstractOcTree::read((dir_ / "fused.ot").string()));
+  ASSERT_NE(fused, nullptr) << "OctoMap's own reader opens the fused map";
+
+  const Json j = report();
+  EXPECT_EQ(fused->size(), mapOf(j, "fused").at("nodes"));
+  EXPECT_TRUE(j.at("match").at("accepted"));
+  EXPECT_GT(j.at("match").at("inlier_ratio"), j.at("match").at("inlier_threshold"));
+  const size_t a = mapOf(j, "a").at("occupied_voxels"), b = mapOf(j, "b").at("occupied_voxels");
+  const size_t both_maps = mapOf(j, "fused").at("occupied_voxels");
+  EXPECT_GT(both_maps, std::max(a, b));
+  EXPECT_LT(both_maps, a + b);
+  EXPECT_EQ(readFile(dir_ / "view.png").substr(1, 3), "PNG");
+}
+
+TEST_F(Fusing, RelativeEntropyLeavesLessUncertaintyThanThePapersBaselines) {
+  std::map<std::string, double> entropy;
+  for (const std::string policy : {"relative_entropy", "average", "stitch"}) {
+    const auto r = mapFusion("merge " + both() + " --pose " + pair("T_a_b.txt") + " --policy " +
+                             policy + " -o fused.ot --json report.json");
+    ASSERT_EQ(r.code, 0) << r.err;
+    entropy[policy] = mapOf(report(), "fused").at("mean_entropy_occupied_nats");
+  }
+  EXPECT_LT(entropy["relative_entropy"], entropy["average"]);
+  EXPECT_LT(entropy["relative_entropy"], entropy["stitch"]);
+}
+
+TEST_F(Fusing, AGuess30mOffIsRejectedAndNothingIsMerged) {
+  const std::string arguments =
+      "fuse " + both() + " --init " + guess(30, 0) + " -o fused.ot --json report.json";
+  const auto r = mapFusion(arguments);
+  EXPECT_EQ(r.code, 3);
+  EXPECT_NE(r.out.find("REJECTED"), std::string::npos);
+  EXPECT_FALSE(fs::exists(dir_ / "fused.ot"));
+  EXPECT_FALSE(report().at("match").at("accepted"));
+
+  EXPECT_EQ(mapFusion(arguments + " --force").code, 3) << "the verdict stays";
+  EXPECT_TRUE(fs::exists(dir_ / "fused.ot")) << "but it is merged";
+}
+
+TEST_F(Fusing, AMatchedPoseFeedsEvaluateAndMerge) {
+  ASSERT_EQ(mapFusion("match " + both() + " --init " + guess(-0.5, -5) + " --pose-out T.txt").code, 0);
+  expectNearTruth(dir_ / "T.txt");
+  EXPECT_EQ(mapFusion("evaluate " + both() + " --pose T.txt").code, 0);
+  EXPECT_EQ(mapFusion("merge " + both() + " --pose T.txt -o fused.bt").code, 0);
+  octomap::OcTree fused(0.1);
+  EXPECT_TRUE(fused.readBinary((dir_ / "fused.bt").string()));
+  EXPECT_EQ(mapFusion("evaluate " + both() + " --pose \"[5 5 0 90 0 0]\"").code, 3);
+}
+
+TEST_F(Fusing, DoesNotDependOnTheNumberOfThreads) {
+  const std::string arguments = "fuse " + both() + " --init " + guess(1, 10) + " -o ";
+  ASSERT_EQ(mapFusion(arguments + "one.ot --pose-out one.txt --threads 1").code, 0);
+  ASSERT_EQ(mapFusion(arguments + "two.ot --pose-out two.txt --threads 2").code, 0);
+  EXPECT_EQ(readFile(dir_ / "one.ot"), readFile(dir_ / "two.ot"));
+  EXPECT_EQ(readFile(dir_ / "one.txt"), readFile(dir_ / "two.txt"));
+}
+
+TEST_F(Fusing, LeavesTheInputsAlone) {
+  const std::string before = readFile(pair("map_a.ot"));
+  mapFusion("merge " + both() + " --pose " + pair("T_a_b.txt") + " -o fused.ot");
+  EXPECT_EQ(readFile(pair("map_a.ot")), before);
+  fs::copy(pair("map_a.ot"), dir_ / "a.ot");
+  const auto r =
+      mapFusion("merge a.ot " + pair("map_b.ot") + " --pose " + pair("T_a_b.txt") + " -o a.ot");
+  EXPECT_EQ(r.code, 1) << "an input is no output";
+  EXPECT_EQ(readFile(dir_ / "a.ot"), before);
+}
+
+TEST_F(Fusing, TakesTheSettingsOfAnIniFile) {
+  writeFile(dir_ / "settings.ini", "[ProbabilisticMapMatching]\nmax_free_conflict = 0\n");
+  const std::string arguments = "evaluate " + both() + " --pose " + pair("T_a_b.txt");
+  EXPECT_EQ(mapFusion(arguments).code, 0);
+  EXPECT_EQ(mapFusion(arguments + " --config settings.ini").code, 3) << "no conflict is allowed now";
+}
+
+}  // namespace

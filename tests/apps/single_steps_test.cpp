@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <octomap/octomap.h>
+
+#include <nlohmann/json.hpp>
+
+#include "run.h"
+
+namespace {
+
+class SingleSteps : public AppTest {};
+
+TEST_F(SingleSteps, EdgesAreAPointCloudWithDirections) {
+  ASSERT_EQ(mapFusion("edges " + pair("map_a.ot") + " -o edges.ply --json report.json").code, 0);
+  std::istringstream ply(readFile(dir_ / "edges.ply"));
+  std::string line;
+  size_t announced = 0, points = 0;
+  while (std::getline(ply, line) && line != "end_header")
+    if (line.rfind("element vertex ", 0) == 0) announced = std::stoul(line.substr(15));
+  float x, y, z, nx, ny, nz, p, linearity;
+  while (ply >> x >> y >> z >> nx >> ny >> nz >> p >> linearity) {
+    points++;
+    EXPECT_NEAR(nx * nx + ny * ny + nz * nz, 1, 1e-3);
+    EXPECT_GE(p, 0.5F);
+    EXPECT_LE(p, 1.F);
+  }
+  EXPECT_EQ(points, announced);
+  const auto report = nlohmann::json::parse(readFile(dir_ / "report.json"));
+  const double share = static_cast<double>(points) /
+                       report.at("maps").at(0).at("occupied_voxels").get<double>();
+  EXPECT_GT(share, 0.03) << "of the occupied voxels of a real building at 0.1 m";
+  EXPECT_LT(share, 0.10);
+}
+
+TEST_F(SingleSteps, TransformMovesTheMap) {
+  octomap::OcTree tree(0.1);
+  tree.updateNode(0.05, 0.05, 0.05, true);
+  ASSERT_TRUE(tree.write((dir_ / "one.ot").string()));
+  ASSERT_EQ(mapFusion("transform one.ot --pose \"[1 2 3 90 0 0]\" -o moved.ot").code, 0);
+  const std::unique_ptr<octomap::AbstractOcTree> read(
+      octomap::AbstractOcTree::read((dir_ / "moved.ot").string()));
+  const auto* moved = dynamic_cast<octomap::OcTree*>(read.get());
+  ASSERT_NE(moved, nullptr);
+  EXPECT_EQ(moved->getNumLeafNodes(), 1U);
+  const auto* voxel = moved->search(1 - 0.05, 2 + 0.05, 3 + 0.05);
+  ASSERT_NE(voxel, nullptr);
+  EXPECT_FLOAT_EQ(voxel->getLogOdds(), tree.getProbHitLog());
+}
+
+TEST_F(SingleSteps, BuildTakesTheMapClassFromAnIniFile) {
+  writeFile(dir_ / "map.ini",
+            "[MappingApplication]\nprobOctoMap_count = 1\n"
+            "[MappingApplication_probOctoMap_00_creationOpts]\nresolution = 0.25\n");
+  ASSERT_EQ(mapFusion("build " + pair("robot_a.rawlog") +
+                      " --config map.ini -o map.ot --json report.json")
+                .code,
+            0);
+  EXPECT_EQ(nlohmann::json::parse(readFile(dir_ / "report.json")).at("maps").at(0).at("resolution_m"),
+            0.25);
+
+  writeFile(dir_ / "points.ini", "[MappingApplication]\npointsMap_count = 1\n");
+  EXPECT_EQ(mapFusion("build " + pair("robot_a.rawlog") + " --config points.ini -o points.gz").code,
+            0)
+      << "any MRPT map class";
+  EXPECT_EQ(mapFusion("build " + pair("robot_a.rawlog") + " --config points.ini -o points.ot").code,
+            1)
+      << "which need not be an octree";
+}
+
+TEST_F(SingleSteps, InfoTakesEveryKindOfFile) {
+  ASSERT_EQ(mapFusion("transform " + pair("map_a.ot") + " --pose \"[0 0 0 0 0 0]\" -o a.bt").code, 0);
+  ASSERT_EQ(mapFusion("transform " + pair("map_a.ot") + " --pose \"[0 0 0 0 0 0]\" -o a.gz").code, 0);
+  fs::copy(dir_ / "a.bt", dir_ / "misnamed.rawlog");
+  for (const std::string& file :
+       {pair("map_a.ot"), std::string("a.bt"), std::string("a.gz"), std::string("misnamed.rawlog"),
+        pair("robot_a.rawlog"), std::string("/usr/share/mrpt/datasets/localization_demo.simplemap.gz")})
+    EXPECT_EQ(mapFusion("info " + file).code, 0) << file;
+}
+
+TEST_F(SingleSteps, QuietIsSilent) {
+  const auto r = mapFusion("info -q " + pair("map_a.ot"));
+  EXPECT_EQ(r.code, 0);
+  EXPECT_EQ(r.out + r.err, "");
+}
+
+TEST_F(SingleSteps, HelpHasAnExampleForEverySubcommand) {
+  EXPECT_EQ(mapFusion("--help").code, 0);
+  for (const std::string command :
+       {"fuse", "match", "evaluate", "merge", "edges", "transform", "build", "info"}) {
+    const auto r = mapFusion(command + " --help");
+    EXPECT_EQ(r.code, 0);
+    EXPECT_NE(r.out.find("map-fusion " + command), std::string::npos) << command;
+  }
+}
+
+}  // namespace
