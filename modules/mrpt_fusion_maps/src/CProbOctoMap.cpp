@@ -148,6 +148,9 @@ std::string CProbOctoMap::asString() const {
 
 // ---------------------------------------------------------------- serialization
 
+/** Ends a serialized map: MRPT takes part of a number for all of it where a stream ends early. */
+constexpr uint32_t kEndMark = 0x50524f42;
+
 uint8_t CProbOctoMap::serializeGetVersion() const { return 0; }
 
 void CProbOctoMap::serializeTo(mrpt::serialization::CArchive& out) const {
@@ -163,6 +166,7 @@ void CProbOctoMap::serializeTo(mrpt::serialization::CArchive& out) const {
   const std::string nodes = serializeNodes(*m_octree);
   out << static_cast<uint64_t>(nodes.size());
   if (!nodes.empty()) out.WriteBuffer(nodes.data(), nodes.size());
+  out << kEndMark;
 }
 
 namespace {
@@ -174,7 +178,8 @@ std::string readBlob(mrpt::serialization::CArchive& in, uint64_t size) {
   while (bytes.size() < size) {
     const auto n = static_cast<size_t>(std::min(kBlock, size - bytes.size()));
     bytes.resize(bytes.size() + n);
-    in.ReadBuffer(&bytes[bytes.size() - n], n);
+    if (in.ReadBuffer(&bytes[bytes.size() - n], n) != n)
+      THROW_EXCEPTION("CProbOctoMap: corrupt stream: it ends early");
   }
   return bytes;
 }
@@ -198,7 +203,11 @@ void CProbOctoMap::serializeFrom(mrpt::serialization::CArchive& in, uint8_t vers
              "CProbOctoMap: corrupt stream: the resolution is not a positive length");
   map.m_octree = std::make_unique<octomap::OcTree>(resolution);
   OcTreeAccess::setSensorModel(*map.m_octree, m);
-  parseNodes(readBlob(in, size), *map.m_octree);
+  const std::string nodes = readBlob(in, size);
+  uint32_t end_mark = 0;
+  in >> end_mark;
+  ASSERTMSG_(end_mark == kEndMark, "CProbOctoMap: corrupt stream: it ends early");
+  parseNodes(nodes, *map.m_octree);
   *this = std::move(map);
 }
 
@@ -358,10 +367,14 @@ namespace {
 
 double probability(float log_odds) { return 1.0 / (1.0 + std::exp(-static_cast<double>(log_odds))); }
 
+/** Log-odds as far as double-valued probabilities reach: beyond, they are 0 or 1. */
+constexpr float kMaxLogOdds = 36.0F;
+
 /** The probability that OctoMap turns into exactly these log-odds, or as near as doubles allow. */
 double exactProbability(float log_odds) {
+  ASSERTMSG_(std::abs(log_odds) <= kMaxLogOdds,
+             "CProbOctoMap: log-odds too large for a probability in MRPT's COctoMap");
   const double p = probability(log_odds);
-  ASSERTMSG_(p > 0 && p < 1, "CProbOctoMap: log-odds too large for a probability in MRPT's COctoMap");
   for (const double candidate : {p, std::nextafter(p, 0.0), std::nextafter(p, 1.0)})
     if (octomap::logodds(candidate) == log_odds) return candidate;
   return p;
@@ -438,7 +451,9 @@ void CProbOctoMap::fromOctoMap(const COctoMap& o) {
       const uint32_t lowest = ~(cube.side() - 1U);
       for (unsigned axis = 0; axis < 3; axis++)
         cube.key[axis] = static_cast<octomap::key_type>(cube.key[axis] & lowest);
-      leaves.leaves.push_back({cube, octomap::logodds(p)});
+      // MRPT rounds the probability of a saturated voxel to 0 or 1.
+      constexpr double kTiny = 1e-16;
+      leaves.leaves.push_back({cube, octomap::logodds(std::clamp(p, kTiny, 1 - kTiny))});
     }
   LeafListVisitor visitor;
   buildOcTree(*tree, std::move(leaves), visitor);

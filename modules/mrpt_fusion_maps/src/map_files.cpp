@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/io/CMemoryStream.h>
+#include <mrpt/io/CStream.h>
 #include <mrpt/io/zip.h>
 #include <mrpt/maps/CMultiMetricMap.h>
 #include <mrpt/maps/CSimpleMap.h>
@@ -10,12 +10,15 @@
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationRobotPose.h>
-#include <mrpt/obs/CRawlog.h>
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/poses/CPose3DInterpolator.h>
 #include <mrpt/serialization/CArchive.h>
 #include <mrpt/system/filesystem.h>
 
+#include <zlib.h>
+
+#include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <stdexcept>
 
@@ -26,33 +29,75 @@ using mrpt::serialization::CSerializable;
 namespace mrpt::maps {
 namespace {
 
+/** A file, gz-compressed or not, as MRPT's archives read it. MRPT's own takes a file that ends early,
+ * amid a number or a compressed block, for one that ends there; this one throws. */
+class GzFile : public mrpt::io::CStream {
+ public:
+  explicit GzFile(const std::string& path) : file_(::gzopen(path.c_str(), "rb")) {
+    if (!file_) throw std::runtime_error("cannot be opened");
+    ::gzbuffer(file_, 1U << 18U);
+  }
+  ~GzFile() override { ::gzclose(file_); }
+  GzFile(const GzFile&) = delete;
+  GzFile& operator=(const GzFile&) = delete;
+
+  size_t Read(void* buffer, size_t count) override {
+    auto* to = static_cast<char*>(buffer);
+    size_t done = 0;
+    while (done < count) {
+      const auto block = static_cast<unsigned>(std::min<size_t>(count - done, 1U << 30U));
+      const int n = ::gzread(file_, to + done, block);
+      if (n <= 0) break;
+      done += static_cast<size_t>(n);
+    }
+    position_ += done;
+    int error = Z_OK;
+    ::gzerror(file_, &error);
+    if (error != Z_OK && error != Z_STREAM_END)
+      throw std::runtime_error("the compressed data ends early or is damaged");
+    if (done < count && done > 0) throw std::runtime_error("the file ends early");
+    return done;
+  }
+  /** Bytes read so far, uncompressed. */
+  uint64_t getPosition() const override { return position_; }
+
+  size_t Write(const void*, size_t) override { THROW_EXCEPTION("not for writing"); }
+  uint64_t Seek(int64_t, TSeekOrigin) override { THROW_EXCEPTION("not for seeking"); }
+  uint64_t getTotalBytesCount() const override { THROW_EXCEPTION("size not known"); }
+
+ private:
+  gzFile file_;
+  uint64_t position_ = 0;
+};
+
 /** Reads the MRPT objects of a file one by one. */
 class ObjectReader {
  public:
-  explicit ObjectReader(const std::string& path) {
-    if (!file_.open(path)) throw std::runtime_error("cannot be opened");
-  }
+  explicit ObjectReader(const std::string& path) : file_(path) {}
 
   /** The next object; null at the end of the file. */
   CSerializable::Ptr next() {
     auto archive = mrpt::serialization::archiveFrom(file_);
+    const uint64_t start = file_.getPosition();
     try {
       auto object = archive.ReadObject();
+      if (!object) throw std::runtime_error("an empty object");
       count_++;
       return object;
-    } catch (const mrpt::serialization::CExceptionEOF&) {
-      if (count_ == 0) throw std::runtime_error("not a map, simplemap or rawlog file");
-      return nullptr;
     } catch (const std::exception& e) {
+      const bool at_end = dynamic_cast<const mrpt::serialization::CExceptionEOF*>(&e) &&
+                          file_.getPosition() == start;
+      if (at_end && count_ > 0) return nullptr;
       if (count_ == 0)
-        throw std::runtime_error("not a map, simplemap or rawlog file (" + messageOf(e) + ")");
+        throw std::runtime_error("not a map, simplemap or rawlog file, or truncated (" +
+                                 messageOf(e) + ")");
       throw std::runtime_error("truncated or corrupt after " + std::to_string(count_) +
                                " objects (" + messageOf(e) + ")");
     }
   }
 
  private:
-  mrpt::io::CFileGZInputStream file_;
+  GzFile file_;
   size_t count_ = 0;
 };
 
@@ -154,6 +199,15 @@ void buildFromRawlog(const std::string& path, Builder& builder) {
   }
 }
 
+/** Where a rawlog keeps what it stores outside, with a final '/': "<name>_Images" beside it, or
+ * "Images". (CRawlog::detectImagesDirectory() joins its parts without the '/'.) */
+std::string imagesDirectoryOf(const std::string& rawlog) {
+  const std::filesystem::path file(rawlog);
+  const auto folder = std::filesystem::absolute(file).parent_path();
+  const auto own = folder / (file.stem().string() + "_Images");
+  return (std::filesystem::is_directory(own) ? own : folder / "Images").string() + "/";
+}
+
 bool isRecording(const CSerializable& first) {
   return dynamic_cast<const CSimpleMap*>(&first) || dynamic_cast<const CObservation*>(&first) ||
          dynamic_cast<const CActionCollection*>(&first) ||
@@ -165,7 +219,7 @@ BuiltMap buildFrom(const std::string& path, const CSerializable& first, const Bu
   if (const auto* frames = dynamic_cast<const CSimpleMap*>(&first)) {
     buildFromSimpleMap(*frames, builder);
   } else {
-    mrpt::img::CImage::setImagesPathBase(CRawlog::detectImagesDirectory(path));
+    mrpt::img::CImage::setImagesPathBase(imagesDirectoryOf(path));
     buildFromRawlog(path, builder);
   }
   return builder.finish();

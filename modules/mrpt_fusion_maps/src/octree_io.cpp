@@ -117,8 +117,8 @@ Header parseHeader(std::string_view bytes) {
       line >> h.id;
     else if (word == "size")
       has_size = static_cast<bool>(line >> h.size);
-    else if (word == "res")
-      line >> h.resolution;
+    else if (word == "res" && !(line >> h.resolution))
+      h.resolution = 0;
   }
   if (h.id.empty()) corrupt("the header has no 'id'");
   if (!has_size) corrupt("the header has no valid 'size'");

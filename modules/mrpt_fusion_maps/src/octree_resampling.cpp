@@ -200,41 +200,64 @@ void checkFits(const OcTree& source, const Eigen::Isometry3d& T, double resoluti
   source.getMetricMax(high.x(), high.y(), high.z());
   const Eigen::Vector3d centre = T * (0.5 * (low + high));
   const Eigen::Vector3d half = T.linear().cwiseAbs() * (0.5 * (high - low));
-  if ((centre.cwiseAbs() + half).maxCoeff() > (kGridOrigin - 1) * resolution)
+  if ((centre.cwiseAbs() + half).maxCoeff() > (kGridOrigin + 1e-6) * resolution)
     throw std::out_of_range("the transformed map does not fit an octree of this resolution");
+}
+
+/** True if a voxel of \a map within half a voxel diagonal of a point is occupied. */
+bool hasObstacleNear(const OcTree& map, const OcTreeKey& home, const Eigen::Vector3d& p) {
+  const double reach2 = 0.75 * map.getResolution() * map.getResolution();
+  for (int dz = -1; dz <= 1; dz++)
+    for (int dy = -1; dy <= 1; dy++)
+      for (int dx = -1; dx <= 1; dx++) {
+        const OcTreeKey key(static_cast<octomap::key_type>(home[0] + dx),
+                            static_cast<octomap::key_type>(home[1] + dy),
+                            static_cast<octomap::key_type>(home[2] + dz));
+        const Eigen::Vector3d c(map.keyToCoord(key[0]), map.keyToCoord(key[1]),
+                                map.keyToCoord(key[2]));
+        if ((c - p).squaredNorm() > reach2) continue;
+        const auto* node = map.search(key);
+        if (node && map.isNodeOccupied(node)) return true;
+      }
+  return false;
+}
+
+/** Calls f(centre) for the voxels on the faces of a leaf cube: those within lie deep in what is
+ * occupied. Of cubes wider than kWideLeaf there is no fear that they get lost. */
+template <class Leaf, class F>
+void forEachFaceVoxel(const OcTree& map, const Leaf& leaf, F&& f) {
+  constexpr int kWideLeaf = 64;
+  const int side = 1 << (OcTreeCube::kMaxDepth - leaf.getDepth());
+  if (side > kWideLeaf) return;
+  const OcTreeKey low = leaf.getIndexKey();
+  const auto coord = [&](unsigned axis, int i) {
+    return map.keyToCoord(static_cast<octomap::key_type>(low[axis] + i));
+  };
+  const auto is_face = [side](int i) { return i == 0 || i == side - 1; };
+  for (int z = 0; z < side; z++)
+    for (int y = 0; y < side; y++)
+      for (int x = 0; x < side; x++)
+        if (is_face(x) || is_face(y) || is_face(z))
+          f(Eigen::Vector3d(coord(0, x), coord(1, y), coord(2, z)));
 }
 
 /** Gives the containing voxel of \a grown the value of each occupied source voxel that has no
  * occupied counterpart within half a voxel diagonal. */
 void keepThinObstacles(const OcTree& source, const Eigen::Isometry3d& T, OcTree& grown) {
-  const double resolution = grown.getResolution();
   // A voxel this much larger than the new ones always holds a new centre.
-  if (source.getResolution() > std::sqrt(3.0) * resolution) return;
-  const double reach2 = 0.75 * resolution * resolution;
+  if (source.getResolution() > std::sqrt(3.0) * grown.getResolution()) return;
   struct Lost {
     OcTreeKey key;
     float log_odds;
   };
   std::vector<Lost> lost;  // added after the search, so that none depends on another's order
   for (auto it = source.begin_leafs(); it != source.end_leafs(); ++it) {
-    // A pruned leaf is at least two source voxels wide: it holds a sample.
-    if (it.getDepth() < source.getTreeDepth() || !source.isNodeOccupied(*it)) continue;
-    const Eigen::Vector3d p = T * Eigen::Vector3d(it.getX(), it.getY(), it.getZ());
-    const OcTreeKey home = grown.coordToKey(p.x(), p.y(), p.z());
-    bool kept = false;
-    for (int dz = -1; dz <= 1 && !kept; dz++)
-      for (int dy = -1; dy <= 1 && !kept; dy++)
-        for (int dx = -1; dx <= 1 && !kept; dx++) {
-          const OcTreeKey key(static_cast<octomap::key_type>(home[0] + dx),
-                              static_cast<octomap::key_type>(home[1] + dy),
-                              static_cast<octomap::key_type>(home[2] + dz));
-          const Eigen::Vector3d c(grown.keyToCoord(key[0]), grown.keyToCoord(key[1]),
-                                  grown.keyToCoord(key[2]));
-          if ((c - p).squaredNorm() > reach2) continue;
-          const auto* node = grown.search(key);
-          kept = node && grown.isNodeOccupied(node);
-        }
-    if (!kept) lost.push_back({home, it->getLogOdds()});
+    if (!source.isNodeOccupied(*it)) continue;
+    forEachFaceVoxel(source, it, [&](const Eigen::Vector3d& centre) {
+      const Eigen::Vector3d p = T * centre;
+      const OcTreeKey home = grown.coordToKey(p.x(), p.y(), p.z());
+      if (!hasObstacleNear(grown, home, p)) lost.push_back({home, it->getLogOdds()});
+    });
   }
   // setNodeValue() clamps: keep the values as they are.
   const auto model = OcTreeAccess::sensorModel(grown);

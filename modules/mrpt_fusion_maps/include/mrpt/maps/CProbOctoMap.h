@@ -121,7 +121,7 @@ class CProbOctoMap : public CMetricMap {
   /** @name Conversion
    * @{ */
   /** Replaces this map by a copy of all of \a o that MRPT's public API gives: each leaf's cube and
-   * log-odds (exact for 1e-9 < |log-odds| < 23, beyond which the double-valued probability that
+   * log-odds (exact for 1e-7 < |log-odds| < 20, beyond which the double-valued probability that
    * MRPT returns has lost digits), resolution and sensor model. \a o is not modified.
    * \exception std::exception If o's voxels do not lie on an octree's grid. */
   void fromOctoMap(const COctoMap& o);

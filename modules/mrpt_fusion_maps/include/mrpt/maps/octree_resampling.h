@@ -18,8 +18,10 @@ namespace mrpt::maps {
  *
  * No obstacle is lost: a lone occupied voxel can fall between all the new centres. If no voxel
  * within half a (new) voxel diagonal of its moved centre came out occupied, the one that contains
- * the centre takes its value. So every occupied source voxel has an occupied voxel of the result
- * within half a voxel diagonal, centre to centre (of the larger of the two voxels), and the reverse.
+ * the centre takes its value. So every occupied source voxel (in leaves up to 64 voxels wide) has an
+ * occupied voxel of the result within half a voxel diagonal, centre to centre, of the larger of the
+ * two voxels. And none is invented: an occupied voxel of the result has an occupied source voxel
+ * within the same distance, or, on a coarser grid, within half a diagonal of each.
  *
  * \param[in] source Any octree, of any resolution; not modified.
  * \param[in] T_dst_src Pose of the source's frame in the new frame, `p_dst = T_dst_src * p_src`.

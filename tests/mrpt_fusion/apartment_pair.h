@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/fusion/matching.h>
+#include <mrpt/maps/octree_resampling.h>
+
+#include <memory>
+
+#include "test_maps.h"
+
+namespace mrpt::fusion::test {
+
+/** Two maps of an apartment, a common 3.5 m wide, each in a frame amid it and on a grid of its own.
+ * Coarse ones are for tests of something else than accuracy: they take a fourth of the time. */
+struct ApartmentPair {
+  explicit ApartmentPair(double voxel_size = 0.1) : resolution(voxel_size) {}
+
+  const double resolution;
+  const Eigen::Isometry3d T_a_w = poseOf(-1.7, -4.5, -0.53, 23, 1, -0.5);
+  const Eigen::Isometry3d T_b_w = poseOf(-6, 4.3, -1.2, -64, -0.7, 1.3);
+  const Eigen::Isometry3d truth = T_a_w * T_b_w.inverse();
+  const std::unique_ptr<octomap::OcTree> map_a =
+      mrpt::maps::transformOcTree(*apartment({0, 0, 0}, {65, 69, 25}), T_a_w, resolution);
+  const std::unique_ptr<octomap::OcTree> map_b =
+      mrpt::maps::transformOcTree(*apartment({30, 0, 0}, {99, 69, 25}), T_b_w, resolution);
+  const MapFeatures a = computeFeatures(*map_a, EdgeParams());
+  const MapFeatures b = computeFeatures(*map_b, EdgeParams());
+};
+
+}  // namespace mrpt::fusion::test

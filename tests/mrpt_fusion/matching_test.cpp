@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+#include <mrpt/fusion/evaluation.h>
+#include <mrpt/fusion/matching.h>
+#include <mrpt/maps/CProbOctoMap.h>
+#include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/maps/octree_resampling.h>
+#include <mrpt/slam/CProbabilisticMapMatching.h>  // toEigen()
+
+#include <Eigen/Eigenvalues>
+#include <vector>
+
+#include "apartment_pair.h"
+#include "robot_simulator.h"
+
+namespace mrpt::fusion::test {
+namespace {
+
+class Matching : public testing::Test {
+ protected:
+  /** Made once, for the tests only read it. */
+  static const ApartmentPair& maps() {
+    static const ApartmentPair pair;
+    return pair;
+  }
+  static const ApartmentPair& coarseMaps() {
+    static const ApartmentPair pair(0.2);
+    return pair;
+  }
+  const Eigen::Isometry3d truth = maps().truth;
+  const Eigen::Isometry3d guess = truth * poseOf(0.6, -0.5, 0.2, 7, 2, -2);
+  const MatchParams params;
+};
+
+void expectIdentical(const MatchResult& a, const MatchResult& b) {
+  EXPECT_EQ(a.T_a_b.matrix(), b.T_a_b.matrix());
+  EXPECT_EQ(a.covariance, b.covariance);
+  ASSERT_EQ(a.iterations.size(), b.iterations.size());
+  for (size_t i = 0; i < a.iterations.size(); i++)
+    EXPECT_EQ(a.iterations[i].mse, b.iterations[i].mse);
+  ASSERT_EQ(a.pairs.size(), b.pairs.size());
+  for (size_t i = 0; i < a.pairs.size(); i++) {
+    ASSERT_EQ(a.pairs[i].model, b.pairs[i].model);
+    ASSERT_EQ(a.pairs[i].scene, b.pairs[i].scene);
+  }
+}
+
+// ---------------------------------------------------------------- accuracy
+
+TEST_F(Matching, ComesBackToTheTruthFromGuessesOffByAMetreAndTenDegrees) {
+  for (const auto& off :
+       {poseOf(0, 0, 0, 0), poseOf(1, 0, 0, 0), poseOf(-1, 0, 0, 0), poseOf(0, 1, 0, 0),
+        poseOf(0, -1, 0, 0), poseOf(0, 0, 0, 10), poseOf(0, 0, 0, -10), poseOf(0.7, 0.7, 0, 10),
+        poseOf(-0.7, 0.7, 0.1, -10), poseOf(-0.6, -0.6, -0.5, 5, 5, -5),
+        poseOf(0.4, -0.8, 0.4, -7, 5, 5)}) {
+    const MatchResult r = matchTwoLevel(maps().a, maps().b, truth * off, params);
+    EXPECT_LT(metresBetween(r.T_a_b, truth), 0.1) << off.matrix();
+    EXPECT_LT(degreesBetween(r.T_a_b, truth), 1) << off.matrix();
+    EXPECT_TRUE(r.hasPairs());
+  }
+}
+
+TEST_F(Matching, SearchFindsTheTruthWhereTheTwoLevelsAloneDoNot) {
+  const Eigen::Isometry3d far = truth * poseOf(-2, -2, 0, -15);
+  EXPECT_GT(metresBetween(matchTwoLevel(maps().a, maps().b, far, params).T_a_b, truth), 1);
+  const MatchResult r = matchMaps(maps().a, maps().b, far, params);
+  EXPECT_LT(metresBetween(r.T_a_b, truth), 0.1);
+  EXPECT_LT(degreesBetween(r.T_a_b, truth), 1);
+}
+
+TEST_F(Matching, WithoutSearchIsThatOfTheTwoLevels) {
+  MatchParams no_search = params;
+  no_search.search.translation = 0;
+  expectIdentical(matchMaps(maps().a, maps().b, guess, no_search),
+                  matchTwoLevel(maps().a, maps().b, guess, params));
+}
+
+TEST_F(Matching, AgreementIsHighestAtTheTruth) {
+  const double best = agreement(maps().a, maps().b, truth);
+  for (const auto& off : {poseOf(0.5, 0, 0, 0), poseOf(0, -0.5, 0, 0), poseOf(0, 0, 0.4, 0),
+                          poseOf(0, 0, 0, 5), poseOf(2, 1, 0, 10), poseOf(40, 0, 0, 0)})
+    EXPECT_LT(agreement(maps().a, maps().b, truth * off), best) << off.matrix();
+}
+
+TEST_F(Matching, VoxelMetricAsPublishedComesNear) {
+  // Not nearer: scene voxels beyond the model's border pull at it, as far as the gate lets them.
+  MatchParams as_published = params;
+  as_published.voxel_metric = VoxelMetric::Point;
+  as_published.voxel_level.final_gate = as_published.voxel_level.gate;
+  const MatchResult r = matchTwoLevel(maps().a, maps().b, guess, as_published);
+  EXPECT_LT(metresBetween(r.T_a_b, truth), 0.3);
+  EXPECT_LT(degreesBetween(r.T_a_b, truth), 1);
+}
+
+TEST_F(Matching, TheMatchIsAcceptedAndAPoseOffByAMetreIsNot) {
+  const auto verdictAt = [](const Eigen::Isometry3d& T, const Pairs& pairs) {
+    return evaluateMatch(*maps().map_a, maps().a.voxels, *maps().map_b, maps().b.voxels, pairs, T,
+                         EvaluationParams());
+  };
+  const MatchResult r = matchTwoLevel(maps().a, maps().b, guess, params);
+  EXPECT_TRUE(verdictAt(r.T_a_b, r.pairs).accepted);
+  const Eigen::Isometry3d wrong = truth * poseOf(1, 0, 0, 0);
+  EXPECT_FALSE(
+      verdictAt(wrong, pairVoxels(maps().a.voxels, maps().b.voxels, wrong, params)).accepted);
+}
+
+TEST_F(Matching, EdgesWidenTheBasinOfConvergence) {
+  // From where voxels alone, gated at half a metre, stay in a wrong minimum.
+  const Eigen::Isometry3d far = truth * poseOf(-0.7, 0.7, 0.1, -10);
+  MatchParams voxels_only = params;
+  voxels_only.edge_level.max_iterations = 0;
+  EXPECT_GT(metresBetween(matchTwoLevel(maps().a, maps().b, far, voxels_only).T_a_b, truth), 0.3);
+  EXPECT_LT(metresBetween(matchTwoLevel(maps().a, maps().b, far, params).T_a_b, truth), 0.1);
+}
+
+TEST_F(Matching, OfAMapWithItselfStaysAtTheIdentity) {
+  const MatchResult r = matchTwoLevel(maps().a, maps().a, Eigen::Isometry3d::Identity(), params);
+  EXPECT_LT(metresBetween(r.T_a_b, Eigen::Isometry3d::Identity()), 1e-9);
+  EXPECT_LT(degreesBetween(r.T_a_b, Eigen::Isometry3d::Identity()), 1e-9);
+  EXPECT_EQ(r.pairs.size(), maps().a.voxels.size());
+  EXPECT_EQ(meanSquaredError(r.pairs), 0);
+}
+
+/** Whole voxels and a quarter turn: takes a grid onto itself. */
+Eigen::Isometry3d gridMotion(double x, double y, double z) {
+  Eigen::Isometry3d M = Eigen::Isometry3d::Identity();
+  M.linear() << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  M.translation() << x, y, z;
+  return M;
+}
+
+/** A map seen from another frame, with its features. */
+struct MovedMap {
+  MovedMap(const octomap::OcTree& source, const Eigen::Isometry3d& M)
+      : map(mrpt::maps::transformOcTree(source, M, source.getResolution())),
+        features(computeFeatures(*map, EdgeParams())) {}
+
+  std::unique_ptr<octomap::OcTree> map;
+  MapFeatures features;
+};
+
+/** Eq. (22), iterated until nothing changes: two runs end in the same place if they can. */
+MatchParams toTheEnd() {
+  MatchParams params;
+  params.voxel_metric = VoxelMetric::Point;
+  params.min_step_translation = params.min_step_rotation = 0;
+  params.voxel_level.max_iterations = 60;
+  return params;
+}
+
+TEST_F(Matching, MovesWithTheModel) {
+  const Eigen::Isometry3d M = gridMotion(12.6, -4.2, 0.8);
+  const MovedMap a(*coarseMaps().map_a, M);
+  ASSERT_EQ(a.features.voxels.size(), coarseMaps().a.voxels.size());
+  const auto difference = [&](const MatchParams& p) {
+    const MatchResult here = matchTwoLevel(coarseMaps().a, coarseMaps().b, guess, p);
+    const MatchResult there = matchTwoLevel(a.features, coarseMaps().b, M * guess, p);
+    return std::pair(metresBetween(M.inverse() * there.T_a_b, here.T_a_b),
+                     degreesBetween(M.inverse() * there.T_a_b, here.T_a_b));
+  };
+  const auto [metres, degrees] = difference(toTheEnd());
+  EXPECT_LT(metres, 1e-6);
+  EXPECT_LT(degrees, 1e-5);
+  // Where iterations stop is another matter, but no large one.
+  EXPECT_LT(difference(params).first, 2e-3);
+  EXPECT_LT(difference(params).second, 0.02);
+}
+
+TEST_F(Matching, MovesWithTheScene) {
+  const Eigen::Isometry3d M = gridMotion(-7.2, 3.4, -1.4);
+  const MovedMap b(*coarseMaps().map_b, M);
+  ASSERT_EQ(b.features.voxels.size(), coarseMaps().b.voxels.size());
+  const MatchResult here = matchTwoLevel(coarseMaps().a, coarseMaps().b, guess, toTheEnd());
+  const MatchResult there =
+      matchTwoLevel(coarseMaps().a, b.features, guess * M.inverse(), toTheEnd());
+  EXPECT_LT(metresBetween(there.T_a_b * M, here.T_a_b), 1e-6);
+  EXPECT_LT(degreesBetween(there.T_a_b * M, here.T_a_b), 1e-5);
+}
+
+TEST_F(Matching, WorksFarFromTheOrigin) {
+  // Georeferenced: an octree of 0.1 m reaches out to 3.2 km.
+  const Eigen::Isometry3d M = gridMotion(1500, -2000, 100);
+  const MovedMap a(*maps().map_a, M);
+  const MatchResult r = matchTwoLevel(a.features, maps().b, M * guess, params);
+  EXPECT_LT(metresBetween(r.T_a_b, M * truth), 0.1);
+  EXPECT_LT(degreesBetween(r.T_a_b, M * truth), 1);
+}
+
+// ---------------------------------------------------------------- what it reports
+
+TEST_F(Matching, RecordsItsIterationsInOrder) {
+  std::vector<IterationRecord> told;
+  const MatchResult r = matchTwoLevel(maps().a, maps().b, guess, params,
+                                      [&](const IterationRecord& i) { told.push_back(i); });
+  ASSERT_EQ(told.size(), r.iterations.size());
+  size_t at_edges = 0;
+  for (size_t i = 0; i < told.size(); i++) {
+    const IterationRecord& record = r.iterations[i];
+    EXPECT_EQ(told[i].mse, record.mse);
+    at_edges += record.level == Level::Edge;
+    EXPECT_LE(r.iterations[i > 0 ? i - 1 : 0].level, record.level);
+    EXPECT_GE(record.pairs, MatchResult::kMinPairs);
+    EXPECT_GT(record.mse, 0);
+    EXPECT_GE(record.step_translation, 0);
+    EXPECT_GE(record.step_rotation, 0);
+  }
+  EXPECT_GE(at_edges, 2);
+  EXPECT_LE(at_edges, params.edge_level.max_iterations);
+  EXPECT_GE(told.size() - at_edges, 1);
+  EXPECT_LE(told.size() - at_edges, params.voxel_level.max_iterations);
+  // The pairs come closer at each level, and it ends because it stands still.
+  EXPECT_LT(r.iterations[at_edges - 1].mse, 0.5 * r.iterations.front().mse);
+  EXPECT_LE(r.iterations.back().mse, r.iterations[at_edges].mse);
+  EXPECT_LT(r.iterations.back().step_translation, params.min_step_translation);
+  EXPECT_LT(r.iterations.back().step_rotation, params.min_step_rotation);
+}
+
+TEST_F(Matching, RecordsTheMseAndTheStepOfAnIteration) {
+  MatchParams one_iteration = params;
+  one_iteration.edge_level.max_iterations = 0;
+  one_iteration.voxel_level.max_iterations = 1;
+  const Eigen::Isometry3d near = truth * poseOf(0.1, 0.05, 0, 1);
+  const MatchResult r = matchTwoLevel(maps().a, maps().b, near, one_iteration);
+  ASSERT_EQ(r.iterations.size(), 1);
+  EXPECT_EQ(r.iterations[0].level, Level::Voxel);
+  const Pairs pairs = pairVoxels(maps().a.voxels, maps().b.voxels, near, params);
+  EXPECT_EQ(r.iterations[0].pairs, pairs.size());
+  EXPECT_DOUBLE_EQ(r.iterations[0].mse, meanSquaredError(pairs));
+  EXPECT_NEAR(r.iterations[0].step_translation, metresBetween(r.T_a_b, near), 1e-9);
+  EXPECT_NEAR(r.iterations[0].step_rotation, degreesBetween(r.T_a_b, near) * kDegree, 1e-9);
+}
+
+TEST_F(Matching, PairsAreThoseAtItsPose) {
+  const MatchResult r = matchTwoLevel(maps().a, maps().b, guess, params);
+  ASSERT_GT(r.pairs.size(), 5000);
+  for (const Pair& p : r.pairs) {
+    const Eigen::Vector3d e = maps().a.voxels.centre[p.model].cast<double>() -
+                              r.T_a_b * maps().b.voxels.centre[p.scene].cast<double>();
+    ASSERT_NEAR(p.squared_distance, e.squaredNorm(), 1e-4);
+    ASSERT_LT(e.norm(), params.voxel_level.gate);
+  }
+}
+
+TEST_F(Matching, CovarianceIsPositiveDefinite) {
+  const MatchResult r = matchTwoLevel(maps().a, maps().b, guess, params);
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(r.covariance);
+  EXPECT_GT(solver.eigenvalues()[0], 0);
+  EXPECT_LT(solver.eigenvalues()[5], 0.1);  // thousands of pairs
+}
+
+// ---------------------------------------------------------------- nothing to go by
+
+TEST_F(Matching, WithoutPairsReturnsTheGuess) {
+  const Eigen::Isometry3d far = truth * poseOf(60, 0, 0, 33);
+  const MatchResult r = matchMaps(maps().a, maps().b, far, params);
+  EXPECT_EQ(r.T_a_b.matrix(), far.matrix());
+  EXPECT_TRUE(r.pairs.empty());
+  EXPECT_FALSE(r.hasPairs());
+  EXPECT_TRUE(r.iterations.empty());
+}
+
+TEST_F(Matching, WithoutPairsClaimsNoCertainty) {
+  // A guess that nothing confirms must not look like a perfect measurement.
+  const MatchResult r = matchMaps(maps().a, maps().b, truth * poseOf(60, 0, 0, 33), params);
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6d>(r.covariance).eigenvalues()[0], 1);
+}
+
+TEST_F(Matching, OfEmptyMapsReturnsTheGuess) {
+  const MapFeatures empty = computeFeatures(octomap::OcTree(0.1), params.edges);
+  for (const auto& [a, b] : {std::pair{&empty, &empty}, {&maps().a, &empty}, {&empty, &maps().b}}) {
+    const MatchResult r = matchMaps(*a, *b, guess, params);
+    EXPECT_EQ(r.T_a_b.matrix(), guess.matrix());
+    EXPECT_FALSE(r.hasPairs());
+    EXPECT_TRUE(pairVoxels(a->voxels, b->voxels, guess, params).empty());
+  }
+}
+
+TEST_F(Matching, WithoutEdgesGoesByVoxels) {
+  MapFeatures a = maps().a, b = maps().b;
+  a.edges = b.edges = EdgeVoxels();
+  const MatchResult r = matchTwoLevel(a, b, truth * poseOf(0.1, 0.1, 0, 1), params);
+  EXPECT_LT(metresBetween(r.T_a_b, truth), 0.1);
+  for (const auto& record : r.iterations) EXPECT_EQ(record.level, Level::Voxel);
+}
+
+TEST_F(Matching, IsTheSameForAnyNumberOfThreads) {
+  const auto match = [&] {
+    return matchMaps(computeFeatures(*coarseMaps().map_a, params.edges),
+                     computeFeatures(*coarseMaps().map_b, params.edges), guess, params);
+  };
+  expectIdentical(withThreads(1, match), withThreads(2, match));
+}
+
+// ---------------------------------------------------------------- as robots map
+
+/** What the simulated robot's map of the apartment is. */
+std::unique_ptr<octomap::OcTree> mapOf(const sim::Recording& recording) {
+  mrpt::maps::CProbOctoMap map(0.1);
+  map.insertionOptions.pruning = false;  // once, at the end
+  for (const auto& scan : recording.scans) {
+    const auto sensor = scan.estimatedPose.mean + recording.sensorPose;
+    mrpt::maps::CSimplePointsMap points;
+    for (const auto& p : scan.points) {
+      const auto at = sensor.composePoint(mrpt::math::TPoint3D(p));
+      points.insertPoint(at.x, at.y, at.z);
+    }
+    map.insertPointCloud(points, sensor.x(), sensor.y(), sensor.z());
+  }
+  auto tree = std::make_unique<octomap::OcTree>(map.octree());
+  tree->prune();
+  return tree;
+}
+
+TEST(MatchingOfRobotMaps, ComesBackToTheTruth) {
+  const sim::VoxelGrid world(*apartment());
+  sim::Lidar lidar;
+  lidar.columns = 240;
+  sim::RobotPlan plan_a, plan_b;
+  plan_a.name = "a";
+  plan_a.sensorPose = plan_b.sensorPose = mrpt::poses::CPose3D(0, 0, 1, 0, 0.03, 0);
+  plan_a.floorZ = plan_b.floorZ = 0.1;
+  plan_a.scanSpacing = plan_b.scanSpacing = 1;
+  plan_a.waypoints = {{1.5, 3.3}, {4.7, 3.3}, {6.5, 3.3}};
+  plan_a.T_w_map = mrpt::poses::CPose3D(1.5, 3.3, 0.03, 0, 0, 0);
+  plan_b.name = "b";
+  plan_b.waypoints = {{8.8, 2.5}, {8.8, 3.6}, {6.2, 3.3}, {4.6, 3.3}};
+  plan_b.T_w_map = mrpt::poses::CPose3D(8.8, 2.5, 0.07, 37 * kDegree, 0, 0);
+  const auto a = sim::simulateRobot(world, lidar, sim::PoseNoise(), plan_a, 1);
+  const auto b = sim::simulateRobot(world, lidar, sim::PoseNoise(), plan_b, 2);
+  const Eigen::Isometry3d truth = toEigen(sim::relativePoseTruth(a, b));
+
+  const auto map_a = mapOf(a), map_b = mapOf(b);
+  const MatchParams params;
+  const MapFeatures features_a = computeFeatures(*map_a, params.edges);
+  const MapFeatures features_b = computeFeatures(*map_b, params.edges);
+  for (const auto& off : {poseOf(0.4, -0.3, 0.1, 5), poseOf(-0.5, 0.2, -0.1, -6, 2, 1)}) {
+    const MatchResult r = matchTwoLevel(features_a, features_b, truth * off, params);
+    EXPECT_LT(metresBetween(r.T_a_b, truth), 0.1);
+    EXPECT_LT(degreesBetween(r.T_a_b, truth), 1);
+    EXPECT_TRUE(evaluateMatch(*map_a, features_a.voxels, *map_b, features_b.voxels, r.pairs,
+                              r.T_a_b, EvaluationParams())
+                    .accepted);
+  }
+}
+
+}  // namespace
+}  // namespace mrpt::fusion::test

@@ -1,0 +1,414 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+#include <mrpt/config/CConfigFileMemory.h>
+#include <mrpt/maps/CMultiMetricMap.h>
+#include <mrpt/maps/COctoMap.h>
+#include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/maps/octree_io.h>
+#include <mrpt/poses/CPosePDFGaussian.h>
+#include <mrpt/slam/CProbabilisticMapMatching.h>
+
+#include <Eigen/Eigenvalues>
+#include <memory>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "apartment_pair.h"
+
+namespace mrpt::fusion::test {
+namespace {
+
+using mrpt::config::CConfigFileMemory;
+using mrpt::maps::CProbOctoMap;
+using mrpt::poses::CPose3D;
+using mrpt::poses::CPose3DPDFGaussian;
+using mrpt::slam::CProbabilisticMapMatching;
+using Options = CProbabilisticMapMatching::TConfigParams;
+
+// ---------------------------------------------------------------- options and .ini files
+
+struct Number {
+  std::string key;
+  double* field;
+  double value;  ///< not the default, in the unit of the .ini file
+};
+struct Count {
+  std::string key;
+  unsigned* field;
+  unsigned value;
+};
+
+/** All numeric parameters, and a value for each. */
+std::vector<Number> numbersOf(Options& o) {
+  auto& match = o.match;
+  auto& e = match.edges;
+  return {{"normal_radius", &e.normal_radius, 0.31},
+          {"cost_radius", &e.cost_radius, 0.72},
+          {"min_normal_radius_voxels", &e.min_normal_radius_voxels, 3.5},
+          {"min_cost_radius_voxels", &e.min_cost_radius_voxels, 4.5},
+          {"max_surface_variation", &e.max_surface_variation, 0.15},
+          {"kappa", &e.kappa, 0.45},
+          {"trace_distance", &e.trace_distance, 0.65},
+          {"trace_step_deg", &e.trace_step_angle, 12.5},
+          {"alpha_min_deg", &e.alpha_min, 77},
+          {"alpha_max_deg", &e.alpha_max, 104},
+          {"outlier_deviations", &e.outlier_deviations, 2.25},
+          {"direction_radius", &e.direction_radius, 0.55},
+          {"search_translation", &match.search.translation, 1.5},
+          {"search_height", &match.search.height, 0.4},
+          {"search_yaw_deg", &match.search.yaw, 33},
+          {"search_cell", &match.search.cell, 0.35},
+          {"k1", &match.weights.k1, 0.2},
+          {"k2", &match.weights.k2, 3},
+          {"edge_gate", &match.edge_level.gate, 1.75},
+          {"edge_final_gate", &match.edge_level.final_gate, 1.25},
+          {"voxel_gate", &match.voxel_level.gate, 0.6},
+          {"voxel_final_gate", &match.voxel_level.final_gate, 0.3},
+          {"flatness", &match.flatness, 0.02},
+          {"min_step_translation", &match.min_step_translation, 2e-5},
+          {"min_step_rotation_deg", &match.min_step_rotation, 0.003},
+          {"inlier_mahalanobis", &o.evaluation.inlier_mahalanobis, 0.25},
+          {"max_free_conflict", &o.evaluation.max_free_conflict, 0.4},
+          {"min_overlap", &o.evaluation.min_overlap, 0.05},
+          {"kl_threshold", &o.merge.kl_threshold, 0.123456}};
+}
+std::vector<Count> countsOf(Options& o) {
+  return {{"outlier_neighbours", &o.match.edges.outlier_neighbours, 9},
+          {"search_hypotheses", &o.match.search.hypotheses, 5},
+          {"edge_iterations", &o.match.edge_level.max_iterations, 17},
+          {"voxel_iterations", &o.match.voxel_level.max_iterations, 23}};
+}
+const std::set<std::string> kEnumerations = {"voxel_metric", "voxel_covariance", "merge_policy"};
+
+double unitOf(const Number& n) {
+  const std::string suffix = "_deg";
+  const bool in_degrees = n.key.size() > suffix.size() &&
+                          n.key.compare(n.key.size() - suffix.size(), suffix.size(), suffix) == 0;
+  return in_degrees ? kDegree : 1;
+}
+
+std::string iniOf(const Options& o) {
+  CConfigFileMemory file;
+  o.saveToConfigFile(file, "pmm");
+  return file.getContent();
+}
+
+void load(Options& o, const std::string& lines) {
+  o.loadFromConfigFile(CConfigFileMemory("[pmm]\n" + lines + "\n"), "pmm");
+}
+
+TEST(MapMatchingOptions, SavesEachParameterUnderItsKey) {
+  Options o;
+  std::set<std::string> expected = kEnumerations;
+  for (const auto& n : numbersOf(o)) expected.insert(n.key);
+  for (const auto& c : countsOf(o)) expected.insert(c.key);
+  std::vector<std::string> keys;
+  CConfigFileMemory(iniOf(o)).getAllKeys("pmm", keys);
+  EXPECT_EQ(std::set<std::string>(keys.begin(), keys.end()), expected);
+}
+
+TEST(MapMatchingOptions, EachParameterComesBackFromAFile) {
+  Options saved;
+  for (const auto& n : numbersOf(saved)) {
+    ASSERT_NE(*n.field, n.value * unitOf(n)) << n.key << ": choose a value that is not the default";
+    *n.field = n.value * unitOf(n);
+  }
+  for (const auto& c : countsOf(saved)) {
+    ASSERT_NE(*c.field, c.value) << c.key;
+    *c.field = c.value;
+  }
+  saved.match.voxel_metric = VoxelMetric::Point;
+  saved.match.voxel_covariance = VoxelCovariance::Quantisation;
+  saved.merge.policy = MergePolicy::Bayes;
+
+  Options loaded;
+  loaded.loadFromConfigFile(CConfigFileMemory(iniOf(saved)), "pmm");
+  for (const auto& n : numbersOf(loaded)) EXPECT_NEAR(*n.field, n.value * unitOf(n), 1e-9) << n.key;
+  for (const auto& c : countsOf(loaded)) EXPECT_EQ(*c.field, c.value) << c.key;
+  EXPECT_EQ(loaded.match.voxel_metric, VoxelMetric::Point);
+  EXPECT_EQ(loaded.match.voxel_covariance, VoxelCovariance::Quantisation);
+  EXPECT_EQ(loaded.merge.policy, MergePolicy::Bayes);
+}
+
+TEST(MapMatchingOptions, DefaultsSurviveAFile) {
+  Options defaults, loaded;
+  for (const auto& n : numbersOf(loaded)) *n.field = n.value * unitOf(n);
+  loaded.loadFromConfigFile(CConfigFileMemory(iniOf(defaults)), "pmm");
+  const auto expected = numbersOf(defaults);
+  const auto found = numbersOf(loaded);
+  for (size_t i = 0; i < expected.size(); i++)
+    EXPECT_NEAR(*found[i].field, *expected[i].field, 1e-5 * *expected[i].field) << found[i].key;
+}
+
+TEST(MapMatchingOptions, ReadsEachNameOfAnEnumeration) {
+  Options o;
+  for (const auto& [policy, name] : mergePolicyNames()) {
+    load(o, std::string("merge_policy = ") + name);
+    EXPECT_EQ(o.merge.policy, policy) << name;
+    EXPECT_NE(iniOf(o).find(name), std::string::npos);
+  }
+  load(o, "voxel_covariance = quantisation\nvoxel_metric = point");
+  EXPECT_EQ(o.match.voxel_covariance, VoxelCovariance::Quantisation);
+  EXPECT_EQ(o.match.voxel_metric, VoxelMetric::Point);
+  load(o, "voxel_covariance = plain\nvoxel_metric = surface");
+  EXPECT_EQ(o.match.voxel_covariance, VoxelCovariance::Plain);
+  EXPECT_EQ(o.match.voxel_metric, VoxelMetric::Surface);
+}
+
+TEST(MapMatchingOptions, MissingKeysKeepTheirValues) {
+  Options o;
+  o.match.edges.kappa = 0.3;
+  o.merge.policy = MergePolicy::Stitch;
+  load(o, "alpha_min_deg = 75  // a comment");
+  EXPECT_DOUBLE_EQ(o.match.edges.alpha_min, 75 * kDegree);
+  EXPECT_EQ(o.match.edges.kappa, 0.3);
+  EXPECT_EQ(o.merge.policy, MergePolicy::Stitch);
+}
+
+TEST(MapMatchingOptions, RefusesWhatItCannotUseAndStaysAsItWas) {
+  Options o;
+  o.match.edges.kappa = 0.3;
+  const std::string before = iniOf(o);
+  for (const char* line : {"kapa = 0.5",
+                           "kappa = 1.5",
+                           "kappa = -0.1",
+                           "kappa = much",
+                           "kappa = 0.5 m",
+                           "kappa = nan",
+                           "kappa = inf",
+                           "kappa = 1e999",
+                           "kappa =",
+                           "kappa_deg = 10",
+                           "trace_step_deg = 0",
+                           "alpha_max_deg = 181",
+                           "outlier_neighbours = 2.5",
+                           "outlier_neighbours = 0",
+                           "edge_iterations = -1",
+                           "min_overlap = 1.01",
+                           "voxel_covariance = m2",
+                           "merge_policy = best",
+                           "merge_policy =",
+                           "voxel_metric = plane"}) {
+    EXPECT_THROW(load(o, line), std::exception) << line;
+    EXPECT_EQ(iniOf(o), before) << line;
+  }
+  // Nothing of a file is taken if a later line is wrong.
+  EXPECT_THROW(load(o, "normal_radius = 0.9\nkappa = 2"), std::exception);
+  EXPECT_EQ(iniOf(o), before);
+}
+
+TEST(MapMatchingOptions, SaysWhichKeyIsWrongAndWhatItMayBe) {
+  Options o;
+  try {
+    load(o, "kappa = 1.5");
+    FAIL();
+  } catch (const std::exception& e) {
+    const std::string message = e.what();
+    EXPECT_NE(message.find("kappa = 1.5"), std::string::npos) << message;
+    EXPECT_NE(message.find("[0, 1]"), std::string::npos) << message;
+  }
+}
+
+// ---------------------------------------------------------------- maps in, pose out
+
+class MapMatching : public testing::Test {
+ protected:
+  /** A fresh copy as an MRPT map. */
+  static CProbOctoMap mapOf(const octomap::OcTree& tree) {
+    return CProbOctoMap(std::make_unique<octomap::OcTree>(tree));
+  }
+  static const ApartmentPair& maps() {
+    static const ApartmentPair pair(0.2);
+    return pair;
+  }
+  static CPose3D guessOffBy(double x, double y, double yaw) {
+    return toPose(maps().truth * poseOf(x, y, 0, yaw));
+  }
+  MapMatching() { pmm.options.match.search.translation = 0; }  // the guesses are near
+
+  CProbabilisticMapMatching pmm;
+  const CProbOctoMap a = mapOf(*maps().map_a), b = mapOf(*maps().map_b);
+};
+
+const CPose3DPDFGaussian& gaussian(const mrpt::poses::CPose3DPDF::Ptr& pdf) {
+  return dynamic_cast<const CPose3DPDFGaussian&>(*pdf);
+}
+
+double leastEigenvalue(const Eigen::MatrixXd& m) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(m).eigenvalues()[0];
+}
+
+TEST_F(MapMatching, Align3DFindsThePoseOfTheSecondMapInTheFirst) {
+  CProbabilisticMapMatching::TReturnInfo info;
+  const auto pdf = pmm.Align3D(&a, &b, guessOffBy(0.6, -0.5, 7), info);
+  const Eigen::Isometry3d found = toEigen(gaussian(pdf).mean);
+  EXPECT_LT(metresBetween(found, maps().truth), 0.1);
+  EXPECT_LT(degreesBetween(found, maps().truth), 1);
+  EXPECT_TRUE(info.evaluation.accepted);
+}
+
+TEST_F(MapMatching, FindsWhatTheCoreFindsAndTellsHow) {
+  CProbabilisticMapMatching::TReturnInfo info;
+  const CPose3D guess = guessOffBy(0.3, 0.2, -4);
+  const auto pdf = pmm.Align3D(&a, &b, guess, info);
+  const MatchResult r = matchMaps(maps().a, maps().b, toEigen(guess), pmm.options.match);
+  EXPECT_EQ(info.match.T_a_b.matrix(), r.T_a_b.matrix());
+  EXPECT_TRUE(toEigen(gaussian(pdf).mean).isApprox(r.T_a_b, 1e-9));
+  EXPECT_EQ(info.match.pairs.size(), r.pairs.size());
+  EXPECT_EQ(info.nIterations, r.iterations.size());
+  EXPECT_EQ(info.match.iterations.size(), r.iterations.size());
+  EXPECT_EQ(info.voxels_m1, maps().a.voxels.size());
+  EXPECT_EQ(info.voxels_m2, maps().b.voxels.size());
+  EXPECT_EQ(info.edges_m1, maps().a.edges.size());
+  EXPECT_EQ(info.edges_m2, maps().b.edges.size());
+  EXPECT_EQ(info.evaluation.pairs, r.pairs.size());
+  EXPECT_EQ(info.evaluation.reasons.size(), 3);
+  EXPECT_GT(info.seconds_features, 0);
+  EXPECT_GT(info.seconds_matching, 0);
+  EXPECT_GT(info.seconds_evaluation, 0);
+  EXPECT_GE(info.executionTime, info.seconds_features);
+}
+
+TEST_F(MapMatching, CovarianceIsThatOfYawPitchRollAndPositiveDefinite) {
+  CProbabilisticMapMatching::TReturnInfo info;
+  const auto pdf = pmm.Align3D(&a, &b, guessOffBy(0.3, 0.2, -4), info);
+  const Matrix6d cov = gaussian(pdf).cov.asEigen();
+  EXPECT_TRUE(
+      cov.isApprox(toYawPitchRollCovariance(info.match.covariance, info.match.T_a_b), 1e-9));
+  EXPECT_GT(leastEigenvalue(cov), 0);
+  EXPECT_LT(cov.diagonal().maxCoeff(), 0.01);  // some centimetres, some tenths of a degree
+}
+
+TEST_F(MapMatching, MapsOfAnyKindGiveTheSameAnswer) {
+  mrpt::maps::COctoMap octomap_a(0.2), octomap_b(0.2);
+  a.toOctoMap(octomap_a);
+  b.toOctoMap(octomap_b);
+  mrpt::maps::CMultiMetricMap several_a, several_b;
+  several_a.maps.push_back(mrpt::maps::CSimplePointsMap::Create());  // not this one
+  several_a.maps.push_back(std::make_shared<CProbOctoMap>(a));
+  several_b.maps.push_back(std::make_shared<CProbOctoMap>(b));
+
+  const CPose3D guess = guessOffBy(0.3, 0.2, -4);
+  const Eigen::Matrix4d expected = toEigen(gaussian(pmm.Align3D(&a, &b, guess)).mean).matrix();
+  using MapPair = std::pair<const mrpt::maps::CMetricMap*, const mrpt::maps::CMetricMap*>;
+  for (const auto& [m1, m2] : {MapPair{&octomap_a, &octomap_b}, MapPair{&several_a, &several_b},
+                               MapPair{&several_a, &octomap_b}}) {
+    const Eigen::Matrix4d found = toEigen(gaussian(pmm.Align3D(m1, m2, guess)).mean).matrix();
+    EXPECT_EQ(found, expected) << m1->GetRuntimeClass()->className;
+  }
+}
+
+TEST_F(MapMatching, LeavesItsMapsAsTheyWere) {
+  const std::string a_before = mrpt::maps::serializeNodes(a.octree());
+  const std::string b_before = mrpt::maps::serializeNodes(b.octree());
+  pmm.Align3D(&a, &b, guessOffBy(0.3, 0.2, -4));
+  EXPECT_TRUE(mrpt::maps::serializeNodes(a.octree()) == a_before);
+  EXPECT_TRUE(mrpt::maps::serializeNodes(b.octree()) == b_before);
+}
+
+TEST_F(MapMatching, AlignPdfIsTheProjectionOnThePlane) {
+  using mrpt::poses::CPosePDFGaussian;
+  const CPosePDFGaussian guess(mrpt::poses::CPose2D(guessOffBy(0.2, 0.1, 3)),
+                               mrpt::math::CMatrixDouble33());
+  CProbabilisticMapMatching::TReturnInfo info;
+  const auto plane = pmm.AlignPDF(&a, &b, guess, info);
+  const auto space = pmm.Align3DPDF(&a, &b, CPose3DPDFGaussian(guess));
+  const auto& found = dynamic_cast<const CPosePDFGaussian&>(*plane);
+  const auto& expected = gaussian(space);
+  EXPECT_NEAR(found.mean.x(), expected.mean.x(), 1e-12);
+  EXPECT_NEAR(found.mean.y(), expected.mean.y(), 1e-12);
+  EXPECT_NEAR(found.mean.phi(), expected.mean.yaw(), 1e-12);
+  const Eigen::Matrix3d cov = found.cov.asEigen();
+  const int of_space[] = {0, 1, 3};  // x, y, yaw
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++)
+      EXPECT_NEAR(cov(i, j), expected.cov(of_space[i], of_space[j]), 1e-12);
+  EXPECT_GT(leastEigenvalue(cov), 0);
+  EXPECT_GT(info.nIterations, 0);
+}
+
+TEST_F(MapMatching, WorksThroughItsBaseClass) {
+  auto ours = std::make_shared<CProbabilisticMapMatching>();
+  ours->options = pmm.options;
+  const std::shared_ptr<mrpt::slam::CMetricMapsAlignmentAlgorithm> algorithm = ours;
+  const CPose3D guess = guessOffBy(0.3, 0.2, -4);
+  const auto pdf = algorithm->Align3D(&a, &b, guess);
+  EXPECT_LT(metresBetween(toEigen(gaussian(pdf).mean), maps().truth), 0.1);
+  EXPECT_EQ(toEigen(pdf->getMeanVal()).matrix(),
+            toEigen(gaussian(pmm.Align3D(&a, &b, guess)).mean).matrix());
+  const auto plane = algorithm->Align(&a, &b, mrpt::poses::CPose2D(guess));
+  EXPECT_LT(plane->getMeanVal().distanceTo(mrpt::poses::CPose2D(toPose(maps().truth))), 0.15);
+}
+
+TEST_F(MapMatching, TellsThePlainResultOfTheBaseClassItsTime) {
+  mrpt::slam::TMetricMapAlignmentResult plain;
+  plain.executionTime = -1;
+  pmm.Align3D(&a, &b, guessOffBy(0, 0, 0), plain);
+  EXPECT_GT(plain.executionTime, 0);
+}
+
+TEST_F(MapMatching, CallsBackAtEachIteration) {
+  size_t calls = 0;
+  pmm.onIteration = [&](const IterationRecord&) { calls++; };
+  CProbabilisticMapMatching::TReturnInfo info;
+  pmm.Align3D(&a, &b, guessOffBy(0.3, 0.2, -4), info);
+  EXPECT_GT(calls, 2);
+  EXPECT_EQ(calls, info.nIterations);
+}
+
+TEST_F(MapMatching, RefusesMapsThatItCannotMatch) {
+  const CProbOctoMap empty(0.1);
+  CProbOctoMap only_free(0.1);
+  only_free.updateVoxel(0, 0, 0, false);
+  const mrpt::maps::CSimplePointsMap points;
+  const mrpt::maps::CMultiMetricMap nothing;
+  for (const mrpt::maps::CMetricMap* bad : std::initializer_list<const mrpt::maps::CMetricMap*>{
+           nullptr, &empty, &only_free, &points, &nothing}) {
+    EXPECT_THROW(pmm.Align3D(&a, bad, CPose3D()), std::exception);
+    EXPECT_THROW(pmm.Align3D(bad, &b, CPose3D()), std::exception);
+    EXPECT_THROW(pmm.Align(bad, &b, mrpt::poses::CPose2D()), std::exception);
+  }
+  EXPECT_THROW(pmm.edges(points), std::exception);
+  EXPECT_THROW(pmm.evaluate(a, points, CPose3D()), std::exception);
+  EXPECT_THROW(pmm.merge(points, b, CPose3D()), std::exception);
+}
+
+// ---------------------------------------------------------------- single steps
+
+TEST_F(MapMatching, EdgesAreThoseOfTheCore) {
+  EXPECT_EQ(pmm.edges(a).centre, maps().a.edges.centre);
+  pmm.options.match.edges.kappa = 0.9;
+  EXPECT_LT(pmm.edges(a).size(), maps().a.edges.size());
+}
+
+TEST_F(MapMatching, EvaluateJudgesAsAlignDoes) {
+  CProbabilisticMapMatching::TReturnInfo aligned;
+  const auto pdf = pmm.Align3D(&a, &b, guessOffBy(0.3, 0.2, -4), aligned);
+  const auto info = pmm.evaluate(a, b, gaussian(pdf).mean);
+  EXPECT_TRUE(info.evaluation.accepted);
+  EXPECT_NEAR(info.evaluation.inlier_ratio, aligned.evaluation.inlier_ratio, 1e-3);
+  EXPECT_NEAR(info.evaluation.overlap, aligned.evaluation.overlap, 1e-3);
+  EXPECT_NEAR(info.evaluation.free_space.conflictRatio(),
+              aligned.evaluation.free_space.conflictRatio(), 1e-3);
+  EXPECT_EQ(info.match.pairs.size(), info.evaluation.pairs);
+  EXPECT_EQ(info.voxels_m1, maps().a.voxels.size());
+  EXPECT_FALSE(pmm.evaluate(a, b, guessOffBy(1, 0, 0)).evaluation.accepted);
+  EXPECT_FALSE(pmm.evaluate(a, b, guessOffBy(100, 0, 0)).evaluation.accepted);
+}
+
+TEST_F(MapMatching, MergeIsThatOfTheCoreByItsPolicy) {
+  const CPose3D pose = toPose(maps().truth);
+  for (const auto policy : {MergePolicy::RelativeEntropy, MergePolicy::Bayes}) {
+    pmm.options.merge.policy = policy;
+    const CProbOctoMap fused = pmm.merge(a, b, pose);
+    const auto expected = mergeMaps(a.octree(), b.octree(), toEigen(pose), pmm.options.merge);
+    EXPECT_TRUE(mrpt::maps::serializeNodes(fused.octree()) ==
+                mrpt::maps::serializeNodes(*expected));
+    EXPECT_GT(fused.octree().getNumLeafNodes(), a.octree().getNumLeafNodes());
+  }
+}
+
+}  // namespace
+}  // namespace mrpt::fusion::test

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/config/CConfigFileMemory.h>
+#include <mrpt/maps/CMultiMetricMap.h>
+#include <mrpt/maps/COctoMap.h>
+
+#include <sstream>
+
+#include "observations.h"
+#include "test_tools.h"
+
+using namespace map_tests;
+using mrpt::config::CConfigFileMemory;
+using mrpt::maps::CMultiMetricMap;
+using mrpt::maps::COctoMap;
+using mrpt::maps::CProbOctoMap;
+using mrpt::maps::TSetOfMetricMapInitializers;
+
+namespace {
+
+const char* const kDefinition = R"([Mapping]
+probOctoMap_count = 1
+[Mapping_probOctoMap_00_creationOpts]
+resolution = 0.07
+[Mapping_probOctoMap_00_insertOpts]
+maxrange = 12.5
+pruning = false
+occupancyThres = 0.6
+probHit = 0.82
+probMiss = 0.32
+clampingThresMin = 0.06
+clampingThresMax = 0.95
+[Mapping_probOctoMap_00_likelihoodOpts]
+decimation = 4
+)";
+
+/** The maps that a definition asks for. */
+CMultiMetricMap mapsOf(const std::string& ini) {
+  TSetOfMetricMapInitializers definition;
+  definition.loadFromConfigFile(CConfigFileMemory(ini), "Mapping");
+  CMultiMetricMap maps;
+  maps.setListOfMaps(definition);
+  return maps;
+}
+
+}  // namespace
+
+TEST(ProbOctoMapDefinition, AnIniSectionMakesAMapWithItsOptions) {
+  const CMultiMetricMap maps = mapsOf(kDefinition);
+  ASSERT_EQ(1U, maps.maps.size());
+  const auto map = maps.mapByClass<CProbOctoMap>();
+  ASSERT_TRUE(map);
+  EXPECT_EQ(0.07, map->getResolution());
+  const auto& i = map->insertionOptions;
+  EXPECT_EQ(12.5, i.maxrange);
+  EXPECT_FALSE(i.pruning);
+  EXPECT_EQ(0.6, i.occupancyThres);
+  EXPECT_EQ(0.82, i.probHit);
+  EXPECT_EQ(0.32, i.probMiss);
+  EXPECT_EQ(0.06, i.clampingThresMin);
+  EXPECT_EQ(0.95, i.clampingThresMax);
+  EXPECT_EQ(4U, map->likelihoodOptions.decimation);
+  EXPECT_FLOAT_EQ(0.82F, static_cast<float>(map->octree().getProbHit()));
+  EXPECT_FLOAT_EQ(0.6F, static_cast<float>(map->octree().getOccupancyThres()));
+  EXPECT_TRUE(map->isEmpty());
+}
+
+TEST(ProbOctoMapDefinition, TheDefaultsAreCOctoMaps) {
+  const CMultiMetricMap maps = mapsOf("[Mapping]\nprobOctoMap_count = 1\noctoMap_count = 1\n");
+  const auto ours = maps.mapByClass<CProbOctoMap>();
+  const auto theirs = maps.mapByClass<COctoMap>();
+  ASSERT_TRUE(ours && theirs);
+  EXPECT_EQ(theirs->getResolution(), ours->getResolution());
+  const auto& t = theirs->insertionOptions;
+  const auto& o = ours->octree();
+  EXPECT_EQ(t.maxrange, ours->insertionOptions.maxrange);
+  EXPECT_EQ(t.pruning, ours->insertionOptions.pruning);
+  EXPECT_EQ(t.getOccupancyThresLog(), o.getOccupancyThresLog());
+  EXPECT_EQ(t.getProbHitLog(), o.getProbHitLog());
+  EXPECT_EQ(t.getProbMissLog(), o.getProbMissLog());
+  EXPECT_EQ(t.getClampingThresMinLog(), o.getClampingThresMinLog());
+  EXPECT_EQ(t.getClampingThresMaxLog(), o.getClampingThresMaxLog());
+}
+
+TEST(ProbOctoMapDefinition, SeveralMapsEachHaveTheirOwnSections) {
+  const CMultiMetricMap maps = mapsOf(
+      "[Mapping]\nprobOctoMap_count = 2\n"
+      "[Mapping_probOctoMap_00_creationOpts]\nresolution = 0.3\n"
+      "[Mapping_probOctoMap_01_creationOpts]\nresolution = 0.4\n");
+  ASSERT_EQ(2U, maps.maps.size());
+  EXPECT_EQ(0.3, maps.mapByClass<CProbOctoMap>(0)->getResolution());
+  EXPECT_EQ(0.4, maps.mapByClass<CProbOctoMap>(1)->getResolution());
+}
+
+TEST(ProbOctoMapDefinition, ADefinedMapTakesTheObservationsOfItsSet) {
+  CMultiMetricMap maps = mapsOf(kDefinition);
+  ASSERT_TRUE(maps.insertObservation(*scan2d()));
+  CProbOctoMap alone(0.07);
+  alone.insertionOptions = maps.mapByClass<CProbOctoMap>()->insertionOptions;
+  alone.insertObservation(*scan2d());
+  EXPECT_TRUE(sameTree(alone.octree(), maps.mapByClass<CProbOctoMap>()->octree()));
+}
+
+TEST(ProbOctoMapDefinition, OptionsOutOfRangeThrow) {
+  const std::string ini =
+      "[Mapping]\nprobOctoMap_count = 1\n[Mapping_probOctoMap_00_insertOpts]\nprobHit = 1.5\n";
+  EXPECT_ANY_THROW(mapsOf(ini));
+  EXPECT_ANY_THROW(
+      mapsOf("[Mapping]\nprobOctoMap_count = 1\n"
+             "[Mapping_probOctoMap_00_creationOpts]\nresolution = 0\n"));
+}
+
+TEST(ProbOctoMapDefinition, ItsTextNamesEveryOption) {
+  TSetOfMetricMapInitializers definition;
+  definition.loadFromConfigFile(CConfigFileMemory(std::string(kDefinition)), "Mapping");
+  std::ostringstream text;
+  definition.dumpToTextStream(text);
+  for (const char* name : {"resolution", "maxrange", "pruning", "occupancyThres", "probHit",
+                           "probMiss", "clampingThresMin", "clampingThresMax", "decimation"})
+    EXPECT_NE(std::string::npos, text.str().find(name)) << name << " in\n" << text.str();
+}
+
+TEST(ProbOctoMapDefinition, InsertionOptionsComeBackFromTheConfigFileTheyAreSavedTo) {
+  CProbOctoMap::TInsertionOptions saved, loaded;
+  saved.maxrange = 3.5;
+  saved.pruning = false;
+  saved.occupancyThres = 0.61;
+  saved.probHit = 0.77;
+  saved.probMiss = 0.31;
+  saved.clampingThresMin = 0.05;
+  saved.clampingThresMax = 0.94;
+  CConfigFileMemory file;
+  saved.saveToConfigFile(file, "section");
+  // From the text, as a file would be: MRPT pads the names of keys until they are parsed.
+  loaded.loadFromConfigFile(CConfigFileMemory(file.getContent()), "section");
+  EXPECT_EQ(saved.maxrange, loaded.maxrange);
+  EXPECT_EQ(saved.pruning, loaded.pruning);
+  EXPECT_EQ(saved.occupancyThres, loaded.occupancyThres);
+  EXPECT_EQ(saved.probHit, loaded.probHit);
+  EXPECT_EQ(saved.probMiss, loaded.probMiss);
+  EXPECT_EQ(saved.clampingThresMin, loaded.clampingThresMin);
+  EXPECT_EQ(saved.clampingThresMax, loaded.clampingThresMax);
+}
