@@ -95,8 +95,8 @@ class Run {
     const CPose3D pose = parsePose(args_.pose);
     const MapPtr map = load("map", args_.a);
     const double resolution = args_.resolution > 0 ? args_.resolution : map->getResolution();
-    const CProbOctoMap moved(mrpt::maps::transformOcTree(
-        map->octree(), mrpt::fusion::toEigen(pose), resolution));
+    const CProbOctoMap moved(
+        mrpt::maps::transformOcTree(map->octree(), mrpt::fusion::toEigen(pose), resolution));
     step("transform");
     mrpt::maps::saveMap(moved, args_.output);
     step("save");
@@ -203,7 +203,7 @@ class Run {
     if (report_.initial_pose)
       panels.push_back({"initial guess", mrpt::fusion::toEigen(*report_.initial_pose)});
     const bool judged = report_.match.has_value();
-    panels.push_back({!judged                               ? "at the given pose"
+    panels.push_back({!judged                              ? "at the given pose"
                       : report_.match->evaluation.accepted ? "result: accepted"
                                                            : "result: rejected",
                       mrpt::fusion::toEigen(report_.pose->mean)});
@@ -241,9 +241,9 @@ class Run {
 
 int run(const Arguments& arguments) {
   static const std::map<std::string, int (Run::*)()> commands = {
-      {"fuse", &Run::fuse},           {"match", &Run::match}, {"evaluate", &Run::evaluate},
-      {"merge", &Run::merge},         {"edges", &Run::edges}, {"transform", &Run::transform},
-      {"build", &Run::build},         {"info", &Run::info}};
+      {"fuse", &Run::fuse},   {"match", &Run::match}, {"evaluate", &Run::evaluate},
+      {"merge", &Run::merge}, {"edges", &Run::edges}, {"transform", &Run::transform},
+      {"build", &Run::build}, {"info", &Run::info}};
   Run run(arguments);
   return (run.*commands.at(arguments.command))();
 }

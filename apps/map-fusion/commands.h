@@ -6,13 +6,13 @@
 /** What the command line asks for; each subcommand uses its part. */
 struct Arguments {
   std::string command;
-  std::string a, b;         ///< input files
-  std::string init, pose;   ///< POSE
-  std::string output;       ///< map or point cloud
+  std::string a, b;        ///< input files
+  std::string init, pose;  ///< POSE
+  std::string output;      ///< map or point cloud
   std::string pose_out, picture, json;
   std::string config, section = "MappingApplication";
-  std::string policy;       ///< empty: as configured
-  double resolution = 0;    ///< m; 0: that of the input
+  std::string policy;     ///< empty: as configured
+  double resolution = 0;  ///< m; 0: that of the input
   bool force = false, quiet = false, verbose = false;
 };
 

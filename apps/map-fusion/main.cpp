@@ -22,8 +22,9 @@ class CommandLine {
   CLI::App* add(const std::string& name, const std::string& what, const std::string& example) {
     auto* sub = app_.add_subcommand(name, what);
     sub->footer("Example:\n  " + example);
-    sub->add_option("--config", args_.config,
-                    "settings: [ProbabilisticMapMatching] and, for recordings, MRPT map definitions")
+    sub->add_option(
+           "--config", args_.config,
+           "settings: [ProbabilisticMapMatching] and, for recordings, MRPT map definitions")
         ->type_name("FILE.ini");
     sub->add_option("--section", args_.section, "section of --config that defines the map to build")
         ->capture_default_str();
@@ -44,10 +45,12 @@ class CommandLine {
     sub->add_option("-o,--output", args_.output, what)->required()->type_name("FILE");
   }
   void init(CLI::App* sub) {
-    sub->add_option("--init", args_.init, "initial guess of B's pose in A's frame (default: 0): " +
-                                              std::string(kPoseHelp))
+    sub->add_option(
+           "--init", args_.init,
+           "initial guess of B's pose in A's frame (default: 0): " + std::string(kPoseHelp))
         ->type_name("POSE");
-    sub->add_option("--pose-out", args_.pose_out, "write the estimated pose to FILE, as a 4x4 matrix")
+    sub->add_option("--pose-out", args_.pose_out,
+                    "write the estimated pose to FILE, as a 4x4 matrix")
         ->type_name("FILE");
   }
   void pose(CLI::App* sub, const std::string& what) {
@@ -75,7 +78,8 @@ int main(int argc, char** argv) {
   CLI::App app("Matches, evaluates and merges 3-D occupancy maps.");
   app.require_subcommand(1);
   app.footer(
-      "Exit codes: 0 done (and a match, if any, accepted); 1 failure: bad input, I/O; 2 wrong usage;\n"
+      "Exit codes: 0 done (and a match, if any, accepted); 1 failure: bad input, I/O; 2 wrong "
+      "usage;\n"
       "3 the match was rejected. 'map-fusion COMMAND --help' tells more.");
   Arguments args;
   unsigned threads = 0;

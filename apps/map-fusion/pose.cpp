@@ -36,11 +36,12 @@ std::vector<double> parseNumbers(const std::string& text, size_t count, const st
 
 mrpt::poses::CPose3D parseMatrix(const std::string& text) {
   const auto v = parseNumbers(text, 16, "a 4x4 matrix");
-  const Eigen::Matrix4d M = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(v.data());
+  const Eigen::Matrix4d M =
+      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(v.data());
   constexpr double kTolerance = 1e-3;
   const Eigen::Matrix3d R = M.topLeftCorner<3, 3>();
-  const bool is_rotation = (R.transpose() * R - Eigen::Matrix3d::Identity()).norm() < kTolerance &&
-                           R.determinant() > 0;
+  const bool is_rotation =
+      (R.transpose() * R - Eigen::Matrix3d::Identity()).norm() < kTolerance && R.determinant() > 0;
   const bool is_affine = (M.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() < kTolerance;
   if (!is_rotation || !is_affine)
     throw std::runtime_error("the 4x4 matrix is not a rigid transform");

@@ -60,8 +60,7 @@ void printMatch(const CProbabilisticMapMatching::TReturnInfo& info, std::ostream
 Json poseJson(const mrpt::poses::CPose3D& p) {
   Json matrix = Json::array();
   const auto T = mrpt::fusion::toEigen(p).matrix();
-  for (int row = 0; row < 4; row++)
-    matrix.push_back({T(row, 0), T(row, 1), T(row, 2), T(row, 3)});
+  for (int row = 0; row < 4; row++) matrix.push_back({T(row, 0), T(row, 1), T(row, 2), T(row, 3)});
   return {{"x", p.x()},
           {"y", p.y()},
           {"z", p.z()},
@@ -121,10 +120,10 @@ void print(const Report& r, std::ostream& out) {
     line(out, "observations     %zu inserted, %zu ignored", r.observations->first,
          r.observations->second);
   if (r.edges) line(out, "edge voxels      %zu", *r.edges);
-  if (r.initial_pose)
-    line(out, "initial guess    %s", poseText(*r.initial_pose).c_str());
+  if (r.initial_pose) line(out, "initial guess    %s", poseText(*r.initial_pose).c_str());
   if (r.pose)
-    line(out, "pose of b in a   %s  (m, deg: x y z yaw pitch roll)", poseText(r.pose->mean).c_str());
+    line(out, "pose of b in a   %s  (m, deg: x y z yaw pitch roll)",
+         poseText(r.pose->mean).c_str());
   if (r.match) printMatch(*r.match, out);
   if (!r.policy.empty()) line(out, "merged by        %s", r.policy.c_str());
   out << "seconds         ";

@@ -15,7 +15,7 @@
 struct MapReport {
   std::string role;  ///< "a", "b", "fused", "map"
   std::string path;
-  double resolution = 0;                       ///< m
+  double resolution = 0;                           ///< m
   double low[3] = {0, 0, 0}, high[3] = {0, 0, 0};  ///< box of the known space, m
   size_t nodes = 0;
   mrpt::fusion::MapStatistics statistics;
@@ -30,8 +30,8 @@ struct Report {
   std::optional<mrpt::poses::CPose3D> initial_pose;
   std::optional<mrpt::poses::CPose3DPDFGaussian> pose;  ///< covariance zero if it was given
   std::optional<mrpt::slam::CProbabilisticMapMatching::TReturnInfo> match;
-  std::string policy;              ///< of the merge, if there was one
-  std::optional<size_t> edges;     ///< edge voxels found by `edges`
+  std::string policy;                                     ///< of the merge, if there was one
+  std::optional<size_t> edges;                            ///< edge voxels found by `edges`
   std::optional<std::pair<size_t, size_t>> observations;  ///< inserted, ignored by `build`
   std::vector<std::pair<std::string, double>> seconds;    ///< wall time of each step, in order
 };

@@ -15,8 +15,8 @@ using mrpt::img::TColor;
 
 namespace {
 
-constexpr int kMargin = 30;        // pixels around a panel, with room for its title
-constexpr int kPanelWidth = 900;   // pixels, about
+constexpr int kMargin = 30;       // pixels around a panel, with room for its title
+constexpr int kPanelWidth = 900;  // pixels, about
 
 /** How many voxels stand over each cell of the plan. */
 struct Plan {

@@ -7,7 +7,8 @@
 
 namespace {
 
-/** Each way to fail: one line on stderr that names the culprit, the documented exit code, no output. */
+/** Each way to fail: one line on stderr that names the culprit, the documented exit code, no
+ * output. */
 class BadInput : public AppTest {
  protected:
   void expectFailure(const std::string& arguments, const std::string& culprit, int code = 1) const {
@@ -80,9 +81,10 @@ TEST_F(BadInput, SettingsThatAreWrong) {
 }
 
 TEST_F(BadInput, WrongUsageIsExitCode2) {
-  for (const std::string wrong : {"", "frobnicate", "match one.ot", "fuse a.ot b.ot", "info --what a.ot",
-                                  "merge a.ot b.ot -o c.ot", "transform a.ot -o b.ot",
-                                  "fuse a.ot b.ot -o c.ot --policy guess", "match a.ot b.ot --threads 0"}) {
+  for (const std::string wrong :
+       {"", "frobnicate", "match one.ot", "fuse a.ot b.ot", "info --what a.ot",
+        "merge a.ot b.ot -o c.ot", "transform a.ot -o b.ot",
+        "fuse a.ot b.ot -o c.ot --policy guess", "match a.ot b.ot --threads 0"}) {
     const auto r = mapFusion(wrong);
     EXPECT_EQ(r.code, 2) << wrong;
     EXPECT_NE(r.err, "") << wrong;

@@ -49,10 +49,11 @@ TEST(ConfigFiles, HoldTheDefaults) {
 }
 
 TEST(ConfigFiles, HoldThePublishedAlgorithm) {
-  expectFile("pmm_paper.ini",
-             toIni(paperOptions(),
-                   "# Two-level probabilistic map matching as published (Yue et al.), with Table I's "
-                   "parameters.\n"));
+  expectFile(
+      "pmm_paper.ini",
+      toIni(paperOptions(),
+            "# Two-level probabilistic map matching as published (Yue et al.), with Table I's "
+            "parameters.\n"));
 }
 
 TEST(ConfigFiles, LoadAgain) {

@@ -77,7 +77,8 @@ TEST_F(Fusing, AGuess30mOffIsRejectedAndNothingIsMerged) {
 }
 
 TEST_F(Fusing, AMatchedPoseFeedsEvaluateAndMerge) {
-  ASSERT_EQ(mapFusion("match " + both() + " --init " + guess(-0.5, -5) + " --pose-out T.txt").code, 0);
+  ASSERT_EQ(mapFusion("match " + both() + " --init " + guess(-0.5, -5) + " --pose-out T.txt").code,
+            0);
   expectNearTruth(dir_ / "T.txt");
   EXPECT_EQ(mapFusion("evaluate " + both() + " --pose T.txt").code, 0);
   EXPECT_EQ(mapFusion("merge " + both() + " --pose T.txt -o fused.bt").code, 0);
@@ -109,7 +110,8 @@ TEST_F(Fusing, TakesTheSettingsOfAnIniFile) {
   writeFile(dir_ / "settings.ini", "[ProbabilisticMapMatching]\nmax_free_conflict = 0\n");
   const std::string arguments = "evaluate " + both() + " --pose " + pair("T_a_b.txt");
   EXPECT_EQ(mapFusion(arguments).code, 0);
-  EXPECT_EQ(mapFusion(arguments + " --config settings.ini").code, 3) << "no conflict is allowed now";
+  EXPECT_EQ(mapFusion(arguments + " --config settings.ini").code, 3)
+      << "no conflict is allowed now";
 }
 
 }  // namespace

@@ -32,8 +32,7 @@ TEST_F(Plugin, MakesObservations2mapWriteOurMapOfARealSimplemap) {
   EXPECT_EQ(r.code, 0) << r.out << r.err;
   const fs::path file = dir_ / "result_mrpt__maps__CProbOctoMap_00.ot";
   ASSERT_TRUE(fs::exists(file)) << r.out << r.err;
-  const std::unique_ptr<octomap::AbstractOcTree> read(
-      octomap::AbstractOcTree::read(file.string()));
+  const std::unique_ptr<octomap::AbstractOcTree> read(octomap::AbstractOcTree::read(file.string()));
   const auto* map = dynamic_cast<octomap::OcTree*>(read.get());
   ASSERT_NE(map, nullptr);
   EXPECT_DOUBLE_EQ(map->getResolution(), 0.2);

@@ -50,8 +50,8 @@ class AppTest : public ::testing::Test {
 
   /** Runs a shell command in the test's folder. */
   Result run(const std::string& command) const {
-    const std::string line = "cd '" + dir_.string() + "' && ( " + command +
-                             " ) >.stdout 2>.stderr </dev/null";
+    const std::string line =
+        "cd '" + dir_.string() + "' && ( " + command + " ) >.stdout 2>.stderr </dev/null";
     const int status = std::system(line.c_str());  // NOLINT(cert-env33-c): tests run programs
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readFile(dir_ / ".stdout"),
             readFile(dir_ / ".stderr")};

@@ -25,8 +25,8 @@ TEST_F(SingleSteps, EdgesAreAPointCloudWithDirections) {
   }
   EXPECT_EQ(points, announced);
   const auto report = nlohmann::json::parse(readFile(dir_ / "report.json"));
-  const double share = static_cast<double>(points) /
-                       report.at("maps").at(0).at("occupied_voxels").get<double>();
+  const double share =
+      static_cast<double>(points) / report.at("maps").at(0).at("occupied_voxels").get<double>();
   EXPECT_GT(share, 0.03) << "of the occupied voxels of a real building at 0.1 m";
   EXPECT_LT(share, 0.10);
 }
@@ -54,8 +54,9 @@ TEST_F(SingleSteps, BuildTakesTheMapClassFromAnIniFile) {
                       " --config map.ini -o map.ot --json report.json")
                 .code,
             0);
-  EXPECT_EQ(nlohmann::json::parse(readFile(dir_ / "report.json")).at("maps").at(0).at("resolution_m"),
-            0.25);
+  EXPECT_EQ(
+      nlohmann::json::parse(readFile(dir_ / "report.json")).at("maps").at(0).at("resolution_m"),
+      0.25);
 
   writeFile(dir_ / "points.ini", "[MappingApplication]\npointsMap_count = 1\n");
   EXPECT_EQ(mapFusion("build " + pair("robot_a.rawlog") + " --config points.ini -o points.gz").code,
@@ -67,12 +68,15 @@ TEST_F(SingleSteps, BuildTakesTheMapClassFromAnIniFile) {
 }
 
 TEST_F(SingleSteps, InfoTakesEveryKindOfFile) {
-  ASSERT_EQ(mapFusion("transform " + pair("map_a.ot") + " --pose \"[0 0 0 0 0 0]\" -o a.bt").code, 0);
-  ASSERT_EQ(mapFusion("transform " + pair("map_a.ot") + " --pose \"[0 0 0 0 0 0]\" -o a.gz").code, 0);
+  ASSERT_EQ(mapFusion("transform " + pair("map_a.ot") + " --pose \"[0 0 0 0 0 0]\" -o a.bt").code,
+            0);
+  ASSERT_EQ(mapFusion("transform " + pair("map_a.ot") + " --pose \"[0 0 0 0 0 0]\" -o a.gz").code,
+            0);
   fs::copy(dir_ / "a.bt", dir_ / "misnamed.rawlog");
   for (const std::string& file :
        {pair("map_a.ot"), std::string("a.bt"), std::string("a.gz"), std::string("misnamed.rawlog"),
-        pair("robot_a.rawlog"), std::string("/usr/share/mrpt/datasets/localization_demo.simplemap.gz")})
+        pair("robot_a.rawlog"),
+        std::string("/usr/share/mrpt/datasets/localization_demo.simplemap.gz")})
     EXPECT_EQ(mapFusion("info " + file).code, 0) << file;
 }
 

@@ -13,7 +13,7 @@ namespace mrpt::fusion::test {
 /** Two maps of an apartment, a common 3.5 m wide, each in a frame amid it and on a grid of its own.
  * Coarse ones are for tests of something else than accuracy: they take a fourth of the time. */
 struct ApartmentPair {
-  explicit ApartmentPair(double voxel_size = 0.1) : resolution(voxel_size) {}
+  explicit ApartmentPair(double voxel_size) : resolution(voxel_size) {}
 
   const double resolution;
   const Eigen::Isometry3d T_a_w = poseOf(-1.7, -4.5, -0.53, 23, 1, -0.5);

@@ -23,10 +23,9 @@ class Optimization : public testing::Test {
   float probability() { return std::uniform_real_distribution<float>(0.5F, 1.F)(random); }
 
   EdgeCovariance randomCovariance() {
-    std::vector<Eigen::Vector3f> points;
-    for (int i = 0; i < 6; i++)
-      points.push_back(
-          (0.3 * normalVector().cwiseProduct(Eigen::Vector3d(1, 0.2, 0.5))).cast<float>());
+    std::vector<Eigen::Vector3f> points(6);
+    for (auto& p : points)
+      p = (0.3 * normalVector().cwiseProduct(Eigen::Vector3d(1, 0.2, 0.5))).cast<float>();
     return edgeCovariance(points);
   }
 
@@ -105,20 +104,23 @@ ErrorAt withWeightsHeldAt(const Eigen::Isometry3d& T, const Pairs& pairs,
 Vector6d unit(int i, double length) { return length * Vector6d::Unit(i); }
 
 /** Derivatives of an error by xi at T, by central differences. */
-Vector6d numericGradient(const ErrorAt& error, const Eigen::Isometry3d& T) {
+Vector6d numericGradient(const ErrorAt& error, const Eigen::Isometry3d& T,
+                         const Eigen::Vector3d& centre) {
   constexpr double h = 1e-5;
   Vector6d g;
   for (int i = 0; i < 6; i++)
-    g[i] = (error(expSE3(unit(i, h)) * T) - error(expSE3(unit(i, -h)) * T)) / (2 * h);
+    g[i] =
+        (error(perturb(T, unit(i, h), centre)) - error(perturb(T, unit(i, -h), centre))) / (2 * h);
   return g;
 }
-Matrix6d numericHessian(const ErrorAt& error, const Eigen::Isometry3d& T) {
+Matrix6d numericHessian(const ErrorAt& error, const Eigen::Isometry3d& T,
+                        const Eigen::Vector3d& centre) {
   constexpr double h = 1e-3;
   Matrix6d H;
   for (int i = 0; i < 6; i++)
     for (int j = 0; j < 6; j++) {
       const auto at = [&](double a, double b) {
-        return error(expSE3(unit(i, a) + unit(j, b)) * T);
+        return error(perturb(T, unit(i, a) + unit(j, b), centre));
       };
       H(i, j) = (at(h, h) - at(h, -h) - at(-h, h) + at(-h, -h)) / (4 * h * h);
     }
@@ -163,7 +165,7 @@ TEST_F(Optimization, VoxelGradientIsThatOfTheError) {
   addPairs(20, 0.3);
   const Eigen::Isometry3d T = poseOf(0.3, 0.1, -0.2, 5, 4, -3) * T_a_b;
   const auto error = [&](const auto& at) { return voxelsAt(at).error; };
-  EXPECT_TRUE((-2 * voxelsAt(T).g).isApprox(numericGradient(error, T), 1e-6));
+  EXPECT_TRUE((-2 * voxelsAt(T).g).isApprox(numericGradient(error, T, voxelsAt(T).centre), 1e-6));
 }
 
 TEST_F(Optimization, EdgeGradientIsThatOfTheErrorWithItsWeightsHeld) {
@@ -175,10 +177,10 @@ TEST_F(Optimization, EdgeGradientIsThatOfTheErrorWithItsWeightsHeld) {
         return linearizeEdges(model_edges, scene_edges, p, at, VoxelCovariance::Quantisation);
       });
   ASSERT_NEAR(held(T), n.error, 1e-9 * n.error);
-  EXPECT_TRUE((-2 * n.g).isApprox(numericGradient(held, T), 1e-6));
+  EXPECT_TRUE((-2 * n.g).isApprox(numericGradient(held, T, n.centre), 1e-6));
   // A translation turns no covariance: there the weights need not be held.
   const auto error = [&](const auto& at) { return edgesAt(at).error; };
-  EXPECT_TRUE((-2 * n.g.head<3>()).isApprox(numericGradient(error, T).head<3>(), 1e-6));
+  EXPECT_TRUE((-2 * n.g.head<3>()).isApprox(numericGradient(error, T, n.centre).head<3>(), 1e-6));
 }
 
 TEST_F(Optimization, SurfaceGradientIsThatOfTheErrorWithItsWeightsHeld) {
@@ -190,7 +192,7 @@ TEST_F(Optimization, SurfaceGradientIsThatOfTheErrorWithItsWeightsHeld) {
         return linearizeSurfaces(model, model_normals, scene, scene_normals, p, at, 0.05);
       });
   ASSERT_NEAR(held(T), n.error, 1e-9 * n.error);
-  EXPECT_TRUE((-2 * n.g).isApprox(numericGradient(held, T), 1e-6));
+  EXPECT_TRUE((-2 * n.g).isApprox(numericGradient(held, T, n.centre), 1e-6));
 }
 
 TEST_F(Optimization, SurfaceErrorByHand) {
@@ -227,18 +229,18 @@ TEST_F(Optimization, HessianIsThatOfTheErrorWhereThePairsFit) {
   addPairs(20, 0);
   const NormalEquations voxels = voxelsAt(T_a_b), edges = edgesAt(T_a_b),
                         surfaces = surfacesAt(T_a_b);
-  EXPECT_TRUE(
-      (2 * voxels.H)
-          .isApprox(numericHessian([&](const auto& at) { return voxelsAt(at).error; }, T_a_b),
-                    1e-4));
-  EXPECT_TRUE(
-      (2 * edges.H)
-          .isApprox(numericHessian([&](const auto& at) { return edgesAt(at).error; }, T_a_b),
-                    1e-4));
-  EXPECT_TRUE(
-      (2 * surfaces.H)
-          .isApprox(numericHessian([&](const auto& at) { return surfacesAt(at).error; }, T_a_b),
-                    1e-4));
+  EXPECT_TRUE((2 * voxels.H)
+                  .isApprox(numericHessian([&](const auto& at) { return voxelsAt(at).error; },
+                                           T_a_b, voxels.centre),
+                            1e-4));
+  EXPECT_TRUE((2 * edges.H)
+                  .isApprox(numericHessian([&](const auto& at) { return edgesAt(at).error; }, T_a_b,
+                                           edges.centre),
+                            1e-4));
+  EXPECT_TRUE((2 * surfaces.H)
+                  .isApprox(numericHessian([&](const auto& at) { return surfacesAt(at).error; },
+                                           T_a_b, surfaces.centre),
+                            1e-4));
 }
 
 // ---------------------------------------------------------------- expSE3

@@ -27,7 +27,7 @@ class Search : public testing::Test {
     return Eigen::Translation3d(middle) * poseOf(x, y, 0, yaw) * Eigen::Translation3d(-middle) *
            kIdentity;
   }
-  const SearchParams params;
+  const SearchParams params{};
 };
 
 TEST_F(Search, BestHypothesisIsWithinACellOfTheTruth) {

@@ -89,7 +89,10 @@ VoxelMap lookedUp(const DenseVoxels& source, double source_resolution, const Iso
   return voxels;
 }
 
-bool isOccupied(float log_odds) { return log_odds >= OcTree(1).getOccupancyThresLog(); }
+bool isOccupied(float log_odds) {
+  static const float threshold = OcTree(1).getOccupancyThresLog();
+  return log_odds >= threshold;
+}
 
 /** Distance from a point to the nearest occupied voxel centre, if there is one within a voxel's
  * diagonal; else infinity. */

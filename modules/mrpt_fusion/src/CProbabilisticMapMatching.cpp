@@ -35,8 +35,7 @@ std::vector<Entry> entriesOf(CProbabilisticMapMatching::TConfigParams& o) {
   std::vector<Entry> list;
   const auto add = [&](const char* key, auto& field, double min, double max, const char* comment,
                        Entry::Unit unit = Entry::Unit::Plain) {
-    list.push_back({key, comment, min, max, unit,
-                    [&field] { return static_cast<double>(field); },
+    list.push_back({key, comment, min, max, unit, [&field] { return static_cast<double>(field); },
                     [&field](double v) { field = static_cast<std::decay_t<decltype(field)>>(v); }});
   };
   constexpr double kInf = 1e9;
@@ -59,7 +58,8 @@ std::vector<Entry> entriesOf(CProbabilisticMapMatching::TConfigParams& o) {
   add("outlier_neighbours", e.outlier_neighbours, 1, 1000,
       "Neighbours of the statistical outlier removal", count);
   add("outlier_deviations", e.outlier_deviations, 0, kInf,
-      "Edge voxels farther from their neighbours than the mean plus so many deviations are removed");
+      "Edge voxels farther from their neighbours than the mean plus so many deviations are "
+      "removed");
   add("direction_radius", e.direction_radius, 0, 100,
       "Of the edge voxels that make an edge's covariance, eq. (6), m");
   auto& m = o.match;
@@ -126,10 +126,10 @@ template <class E>
 void loadEnum(const mrpt::config::CConfigFileBase& source, const std::string& section,
               const char* key, const Names<E>& names, E& value) {
   const std::string text = source.read_string(section, key, nameOf(value, names));
-  const auto found = std::find_if(names.begin(), names.end(),
-                                  [&](const auto& n) { return text == n.second; });
-  ASSERTMSG_(found != names.end(), "[" + section + "] " + key + " = " + text + " is none of " +
-                                       listOf(names));
+  const auto found =
+      std::find_if(names.begin(), names.end(), [&](const auto& n) { return text == n.second; });
+  ASSERTMSG_(found != names.end(),
+             "[" + section + "] " + key + " = " + text + " is none of " + listOf(names));
   value = found->first;
 }
 
@@ -143,9 +143,9 @@ void CProbabilisticMapMatching::TConfigParams::loadFromConfigFile(
   std::vector<std::string> keys;
   source.getAllKeys(section, keys);
   for (const auto& key : keys) {
-    const bool known = key == kMetricKey || key == kCovarianceKey || key == kPolicyKey ||
-                       std::any_of(entries.begin(), entries.end(),
-                                   [&](const Entry& e) { return key == e.key; });
+    const bool known =
+        key == kMetricKey || key == kCovarianceKey || key == kPolicyKey ||
+        std::any_of(entries.begin(), entries.end(), [&](const Entry& e) { return key == e.key; });
     ASSERTMSG_(known, "[" + section + "] has an unknown key '" + key + "'");
   }
 
@@ -157,10 +157,10 @@ void CProbabilisticMapMatching::TConfigParams::loadFromConfigFile(
     std::string rest;
     const bool is_number = static_cast<bool>(in >> value) && !(in >> rest);
     const bool is_whole = e.unit != Entry::Unit::Count || value == std::floor(value);
-    ASSERTMSG_(is_number && is_whole && value >= e.min && value <= e.max,
-               mrpt::format("[%s] %s = %s is not a %s in [%g, %g]", section.c_str(), e.key,
-                            text.c_str(),
-                            e.unit == Entry::Unit::Count ? "whole number" : "number", e.min, e.max));
+    ASSERTMSG_(
+        is_number && is_whole && value >= e.min && value <= e.max,
+        mrpt::format("[%s] %s = %s is not a %s in [%g, %g]", section.c_str(), e.key, text.c_str(),
+                     e.unit == Entry::Unit::Count ? "whole number" : "number", e.min, e.max));
     e.set(e.unit == Entry::Unit::Degrees ? value * M_PI / 180 : value);
   }
   loadEnum(source, section, kMetricKey, kMetricNames, loaded.match.voxel_metric);
@@ -278,8 +278,11 @@ mrpt::poses::CPose3DPDF::Ptr CProbabilisticMapMatching::Align3DPDF(
   pdf->mean = toPose(info.match.T_a_b);
   pdf->cov = mrpt::math::CMatrixDouble66(
       toYawPitchRollCovariance(info.match.covariance, info.match.T_a_b));
-  if (outInfo)
-    if (auto* wanted = dynamic_cast<TReturnInfo*>(&outInfo.value().get())) *wanted = std::move(info);
+  if (outInfo) {
+    TMetricMapAlignmentResult& wanted = outInfo.value().get();
+    wanted.executionTime = info.executionTime;
+    if (auto* all = dynamic_cast<TReturnInfo*>(&wanted)) *all = std::move(info);
+  }
   return pdf;
 }
 
@@ -313,6 +316,6 @@ CProbabilisticMapMatching::TReturnInfo CProbabilisticMapMatching::evaluate(
 
 CProbOctoMap CProbabilisticMapMatching::merge(const CMetricMap& m1, const CMetricMap& m2,
                                               const CPose3D& pose) const {
-  return CProbOctoMap(mergeMaps(octomapOf(m1)->octree(), octomapOf(m2)->octree(), toEigen(pose),
-                                options.merge));
+  return CProbOctoMap(
+      mergeMaps(octomapOf(m1)->octree(), octomapOf(m2)->octree(), toEigen(pose), options.merge));
 }

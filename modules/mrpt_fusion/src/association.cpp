@@ -111,8 +111,7 @@ Pairs EdgeAssociation::associate(const EdgeVoxels& scene, const Eigen::Isometry3
   impl_->tree.setWeights({1, 1, 1, w_o, w_tau, w_tau, w_tau});
   return associateEach(scene.size(), [&](uint32_t i) {
     const Eigen::Vector3f p = T * scene.centre[i];
-    const Eigen::Vector3f tau =
-        T.linear() * scene.covariance[i].direction().cast<float>();
+    const Eigen::Vector3f tau = T.linear() * scene.covariance[i].direction().cast<float>();
     auto match = impl_->tree.nearestWithin(
         {p.x(), p.y(), p.z(), scene.probability[i], tau.x(), tau.y(), tau.z()}, gate2);
     const auto opposite = impl_->tree.nearestWithin(

@@ -105,8 +105,8 @@ class SurfaceTracer {
   }
 
  private:
-  static constexpr float kHalfSlice = 0.75F;  ///< slices this thick miss no voxel of a surface
-  static constexpr float kMaxStep = 2.3F;     ///< across gaps of a sparsely seen surface
+  static constexpr float kHalfSlice = 0.75F;   ///< slices this thick miss no voxel of a surface
+  static constexpr float kMaxStep = 2.3F;      ///< across gaps of a sparsely seen surface
   static constexpr float kMinForward = -0.1F;  ///< cosine of the sharpest turn in one step
 
   /** TraceVectorAlongSurfaceVoxels: unit vector, in the slice, to where the walk is d_T away. */
@@ -114,7 +114,7 @@ class SurfaceTracer {
     Eigen::Vector2f at = Eigen::Vector2f::Zero();
     const int max_steps = 3 * static_cast<int>(distance_);
     for (int step = 0; step < max_steps; step++) {
-      if (at.norm() >= distance_ - 0.5F) return at.normalized();
+      if (at.norm() >= distance_ - 0.5F) return middleOfSurfaceAt(at).normalized();
       const Eigen::Vector2f ahead = at + direction;
       const Eigen::Vector2f* next = nullptr;
       float nearest = std::numeric_limits<float>::max();
@@ -134,6 +134,20 @@ class SurfaceTracer {
       at = *next;
     }
     return std::nullopt;  // going round in a clutter of voxels
+  }
+
+  /** The mean of the voxels about a place: a single one tells the surface to half a voxel only,
+   * which is 6 degrees of a walk of five. */
+  Eigen::Vector2f middleOfSurfaceAt(const Eigen::Vector2f& place) const {
+    constexpr float kRadius2 = 1.6F * 1.6F;
+    Eigen::Vector2f sum = Eigen::Vector2f::Zero();
+    int n = 0;
+    for (const auto& q : slice_)
+      if ((q - place).squaredNorm() <= kRadius2) {
+        sum += q;
+        n++;
+      }
+    return sum / static_cast<float>(n);
   }
 
   float distance_;
@@ -158,12 +172,13 @@ bool isBend(const Neighbourhood& around, uint32_t voxel, const Eigen::Vector3f& 
   return false;
 }
 
-/** Line 23: indices of the points whose mean distance to their nearest neighbours is not larger than
- * the mean of all plus so many standard deviations. */
+/** Line 23: indices of the points whose mean distance to their nearest neighbours is not larger
+ * than the mean of all plus so many standard deviations. */
 std::vector<uint32_t> statisticalInliers(const std::vector<Eigen::Vector3f>& points,
                                          const EdgeParams& params) {
   std::vector<uint32_t> kept;
-  const size_t k = std::min<size_t>(params.outlier_neighbours, points.empty() ? 0 : points.size() - 1);
+  const size_t k =
+      std::min<size_t>(params.outlier_neighbours, points.empty() ? 0 : points.size() - 1);
   if (k == 0) return kept;
   const KdTree<3> tree(toDescriptors(points));
   std::vector<double> mean_distance(points.size());
@@ -234,7 +249,7 @@ EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const std::vector<Eigen::V
 
   const VoxelIndex index(voxels.key);
   const double distance = std::max(params.trace_distance / voxels.resolution, 4.0);
-  const Neighbourhood around{voxels, index, VoxelIndex::offsetsWithin(distance + 1)};
+  const Neighbourhood around{voxels, index, VoxelIndex::offsetsWithin(distance + 2)};
   std::vector<uint8_t> is_edge(voxels.size(), 0);
   forEachIndex(voxels.size(), kGrain, [&](size_t i) {
     if (costs[i] > params.kappa)
@@ -255,8 +270,10 @@ EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const std::vector<Eigen::V
     edges.centre.push_back(points[i]);
     edges.probability.push_back(voxels.probability[candidates[i]]);
   }
+  // Just beyond the radius: whether a voxel at that very distance counts must not hang on rounding.
   edges.covariance =
-      edgeCovariances(edges.centre, std::max(params.direction_radius, 3 * voxels.resolution));
+      edgeCovariances(edges.centre, std::max(params.direction_radius, 3 * voxels.resolution) +
+                                        1e-3 * voxels.resolution);
   return edges;
 }
 

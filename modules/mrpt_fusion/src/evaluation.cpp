@@ -73,8 +73,8 @@ Evaluation evaluateMatch(const octomap::OcTree& map_a, const OccupiedVoxels& a,
   e.threshold = acceptanceThreshold(e.overlap);
   double sum = 0;
   for (const Pair& p : pairs) {
-    const double d = mahalanobisDistance(p.squared_distance, a.probability[p.model],
-                                         b.probability[p.scene]);
+    const double d =
+        mahalanobisDistance(p.squared_distance, a.probability[p.model], b.probability[p.scene]);
     sum += d;
     e.log_likelihood -= d * d;
     if (d < params.inlier_mahalanobis) e.inliers++;
@@ -92,14 +92,13 @@ Evaluation evaluateMatch(const octomap::OcTree& map_a, const OccupiedVoxels& a,
     e.accepted = e.accepted && good;
     e.reasons.push_back(good ? yes : no);
   };
-  judge(e.overlap >= params.min_overlap,
-        "overlap " + percent(e.overlap) + " is enough to judge by",
+  judge(e.overlap >= params.min_overlap, "overlap " + percent(e.overlap) + " is enough to judge by",
         "overlap " + percent(e.overlap) + " is below " + percent(params.min_overlap));
-  judge(!pairs.empty() && e.inlier_ratio > e.threshold,
-        "inlier ratio " + percent(e.inlier_ratio) + " is above its threshold " +
-            percent(e.threshold),
-        "inlier ratio " + percent(e.inlier_ratio) + " is not above its threshold " +
-            percent(e.threshold));
+  judge(
+      !pairs.empty() && e.inlier_ratio > e.threshold,
+      "inlier ratio " + percent(e.inlier_ratio) + " is above its threshold " + percent(e.threshold),
+      "inlier ratio " + percent(e.inlier_ratio) + " is not above its threshold " +
+          percent(e.threshold));
   const double conflict = e.free_space.conflictRatio();
   judge(conflict <= params.max_free_conflict,
         percent(conflict) + " of the obstacles lie in the other map's free space, at most " +

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -112,9 +113,10 @@ class KdTree {
 
     size_t size() const { return index == kNone ? 0 : 1; }
     bool full() const { return true; }
-    float worstDist() const { return best; }
+    /** nanoflann passes over points at this very distance; ties are to be seen. */
+    float worstDist() const { return std::nextafter(best, std::numeric_limits<float>::max()); }
     bool addPoint(float distance, uint32_t i) {
-      if (distance < best || (distance == best && i < index)) {
+      if (distance < best || (distance == best && index != kNone && i < index)) {
         best = distance;
         index = i;
       }

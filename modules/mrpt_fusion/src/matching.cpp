@@ -33,10 +33,9 @@ Pairs runLevel(const LevelProblem& problem, const LevelParams& level, double lea
   for (unsigned i = 0; i < level.max_iterations; i++) {
     if (pairs.size() < MatchResult::kMinPairs) break;
     const double mse = meanSquaredError(pairs);
-    const Eigen::Isometry3d T =
-        optimizePose(result.T_a_b, SolverParams{}, [&](const Eigen::Isometry3d& candidate) {
-          return problem.linearize(pairs, candidate);
-        });
+    const Eigen::Isometry3d T = optimizePose(
+        result.T_a_b, SolverParams{},
+        [&](const Eigen::Isometry3d& candidate) { return problem.linearize(pairs, candidate); });
     const Eigen::Isometry3d step = T * result.T_a_b.inverse();
     // The step at the scene's own place: a rotation about a far origin is not a translation.
     const Eigen::Vector3d place = result.T_a_b.translation();

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace mrpt::fusion {
 namespace {
@@ -14,28 +15,38 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
   return m;
 }
 
-/** Adds one pair: moving by xi takes e = m - q to e - J xi with J = [I, -[q]x] at q = T s. */
-void addPair(const Eigen::Vector3d& e, const Eigen::Vector3d& q, const Eigen::Matrix3d& W,
-             NormalEquations& n) {
-  const Eigen::Matrix3d Q = skew(q);
-  const Eigen::Matrix3d WQ = W * Q;
-  const Eigen::Vector3d We = W * e;
-  n.H.topLeftCorner<3, 3>() += W;
-  n.H.topRightCorner<3, 3>() -= WQ;
-  n.H.bottomRightCorner<3, 3>() += Q.transpose() * WQ;
-  n.g.head<3>() += We;
-  n.g.tail<3>() += Q * We;  // (-Q)' = Q
-  n.error += e.dot(We);
+/** Adds up the terms of pairs; \a term gives e = m - T s and W of one.
+ * Moving by xi takes e to e - J xi with J = [I, -[r]x] at r = T s - c. */
+template <class Scene, class Term>
+NormalEquations sumOf(const Scene& scene, const Pairs& pairs, const Eigen::Isometry3d& T,
+                      Term&& term) {
+  NormalEquations n;
+  if (pairs.empty()) return n;
+  for (const Pair& p : pairs) n.centre += scene.centre[p.scene].template cast<double>();
+  n.centre = T * (n.centre / static_cast<double>(pairs.size()));
+  for (const Pair& p : pairs) {
+    const Eigen::Vector3d q = T * scene.centre[p.scene].template cast<double>();
+    const auto [e, W] = term(p, q);
+    const Eigen::Matrix3d r_cross = skew(q - n.centre);
+    const Eigen::Matrix3d Wr = W * r_cross;
+    const Eigen::Vector3d We = W * e;
+    n.H.topLeftCorner<3, 3>() += W;
+    n.H.topRightCorner<3, 3>() -= Wr;
+    n.H.bottomRightCorner<3, 3>() += r_cross.transpose() * Wr;
+    n.g.head<3>() += We;
+    n.g.tail<3>() += r_cross * We;  // (-[r]x)' = [r]x
+    n.error += e.dot(We);
+  }
+  n.H.bottomLeftCorner<3, 3>() = n.H.topRightCorner<3, 3>().transpose();
+  return n;
 }
+
+using Term = std::pair<Eigen::Vector3d, Eigen::Matrix3d>;
 
 /** Eq. (22)'s weight of a pair. */
 double occupancyFactor(const OccupiedVoxels& model, const OccupiedVoxels& scene, const Pair& p) {
   return 1 / (1 / static_cast<double>(model.probability[p.model]) +
               1 / static_cast<double>(scene.probability[p.scene]));
-}
-
-void symmetrize(NormalEquations& n) {
-  n.H.bottomLeftCorner<3, 3>() = n.H.topRightCorner<3, 3>().transpose();
 }
 
 }  // namespace
@@ -49,16 +60,18 @@ NormalEquations linearizeEdges(const EdgeVoxels& model, const EdgeVoxels& scene,
                            edges.covariance[i].matrix(within_voxel));
   };
   const Eigen::Matrix3d R = T_a_b.linear();
-  NormalEquations n;
-  for (const Pair& p : pairs) {
-    const Eigen::Vector3d q = T_a_b * scene.centre[p.scene].cast<double>();
-    const Eigen::Vector3d e = model.centre[p.model].cast<double>() - q;
-    const Eigen::Matrix3d W =
-        (fused(model, p.model) + R * fused(scene, p.scene) * R.transpose()).inverse();
-    addPair(e, q, W, n);
-  }
-  symmetrize(n);
-  return n;
+  return sumOf(scene, pairs, T_a_b, [&](const Pair& p, const Eigen::Vector3d& q) -> Term {
+    return {model.centre[p.model].cast<double>() - q,
+            (fused(model, p.model) + R * fused(scene, p.scene) * R.transpose()).inverse()};
+  });
+}
+
+NormalEquations linearizeVoxels(const OccupiedVoxels& model, const OccupiedVoxels& scene,
+                                const Pairs& pairs, const Eigen::Isometry3d& T_a_b) {
+  return sumOf(scene, pairs, T_a_b, [&](const Pair& p, const Eigen::Vector3d& q) -> Term {
+    return {model.centre[p.model].cast<double>() - q,
+            occupancyFactor(model, scene, p) * Eigen::Matrix3d::Identity()};
+  });
 }
 
 NormalEquations linearizeSurfaces(const OccupiedVoxels& model,
@@ -68,30 +81,14 @@ NormalEquations linearizeSurfaces(const OccupiedVoxels& model,
                                   const Pairs& pairs, const Eigen::Isometry3d& T_a_b,
                                   double flatness) {
   const Eigen::Matrix3d R = T_a_b.linear();
-  NormalEquations n;
-  for (const Pair& p : pairs) {
-    const Eigen::Vector3d q = T_a_b * scene.centre[p.scene].cast<double>();
-    const Eigen::Vector3d e = model.centre[p.model].cast<double>() - q;
+  return sumOf(scene, pairs, T_a_b, [&](const Pair& p, const Eigen::Vector3d& q) -> Term {
     const Eigen::Vector3d n_m = model_normal[p.model].cast<double>();
     const Eigen::Vector3d n_s = R * scene_normal[p.scene].cast<double>();
     const Eigen::Matrix3d C = 2 * Eigen::Matrix3d::Identity() -
                               (1 - flatness) * (n_m * n_m.transpose() + n_s * n_s.transpose());
-    addPair(e, q, occupancyFactor(model, scene, p) * C.inverse(), n);
-  }
-  symmetrize(n);
-  return n;
-}
-
-NormalEquations linearizeVoxels(const OccupiedVoxels& model, const OccupiedVoxels& scene,
-                                const Pairs& pairs, const Eigen::Isometry3d& T_a_b) {
-  NormalEquations n;
-  for (const Pair& p : pairs) {
-    const Eigen::Vector3d q = T_a_b * scene.centre[p.scene].cast<double>();
-    const Eigen::Vector3d e = model.centre[p.model].cast<double>() - q;
-    addPair(e, q, occupancyFactor(model, scene, p) * Eigen::Matrix3d::Identity(), n);
-  }
-  symmetrize(n);
-  return n;
+    return {model.centre[p.model].cast<double>() - q,
+            occupancyFactor(model, scene, p) * C.inverse()};
+  });
 }
 
 Eigen::Isometry3d expSE3(const Vector6d& xi) {
@@ -109,31 +106,46 @@ Eigen::Isometry3d expSE3(const Vector6d& xi) {
   return T;
 }
 
-namespace {
-/** H^-1 by its eigenvectors, where eigenvalues too small to be information act as infinite or as
- * \a unknown (the inverse's value there). */
-Matrix6d inverseOf(const Matrix6d& H, double unknown) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(H);
-  const double least = 1e-10 * std::max(solver.eigenvalues().maxCoeff(), 1e-300);
-  Vector6d inverse;
-  for (int i = 0; i < 6; i++) {
-    const double value = solver.eigenvalues()[i];
-    inverse[i] = value > least ? 1 / value : unknown;
-  }
-  return solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
+Eigen::Isometry3d perturb(const Eigen::Isometry3d& T, const Vector6d& xi,
+                          const Eigen::Vector3d& centre) {
+  return Eigen::Translation3d(centre) * expSE3(xi) * Eigen::Translation3d(-centre) * T;
 }
+
+namespace {
+/** Eigenvalues of H below this share of the largest are rounding, not information. */
+constexpr double kNoInformation = 1e-10;
 }  // namespace
 
 Vector6d solveDamped(const NormalEquations& equations, double lambda) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(equations.H);
+  const auto& values = solver.eigenvalues();  // ascending
+  const double least = kNoInformation * values[5];
+  int unknown = 0;
+  while (unknown < 6 && !(values[unknown] > least)) unknown++;
+  if (unknown == 6) return Vector6d::Zero();
+  const Eigen::MatrixXd V = solver.eigenvectors().rightCols(6 - unknown);
   Matrix6d H = equations.H;
   H.diagonal() *= 1 + lambda;
-  return inverseOf(H, 0) * equations.g;
+  const Eigen::MatrixXd reduced = V.transpose() * H * V;
+  return V * reduced.ldlt().solve(V.transpose() * equations.g);
 }
 
 Matrix6d poseCovariance(const NormalEquations& at_optimum, size_t pairs, double unknown_variance) {
   const double freedom = std::max(1.0, 3 * static_cast<double>(pairs) - 6);
   const double residual_variance = std::max(at_optimum.error / freedom, 1e-12);
-  return residual_variance * inverseOf(at_optimum.H, unknown_variance / residual_variance);
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(at_optimum.H);
+  Vector6d variances;
+  for (int i = 0; i < 6; i++) {
+    const double value = solver.eigenvalues()[i];
+    variances[i] = value > kNoInformation * solver.eigenvalues()[5] ? residual_variance / value
+                                                                    : unknown_variance;
+  }
+  const Matrix6d about_centre =
+      solver.eigenvectors() * variances.asDiagonal() * solver.eigenvectors().transpose();
+  // Turning by w about c moves the origin by -w x c = [c]x w.
+  Matrix6d J = Matrix6d::Identity();
+  J.topRightCorner<3, 3>() = skew(at_optimum.centre);
+  return J * about_centre * J.transpose();
 }
 
 }  // namespace mrpt::fusion

@@ -15,20 +15,20 @@ namespace {
 using Cell = std::array<int, 3>;
 
 /** A coarse copy of a map: whether an obstacle at a cell speaks for a pose or against it. A cell
- * beside an occupied one says nothing: quantisation puts many points of a wall there. Dense, x fastest, with
- * a margin of unknown cells so that shifted runs need no bounds checks along x. */
+ * beside an occupied one says nothing: quantisation puts many points of a wall there. Dense, x
+ * fastest, with a margin of unknown cells so that shifted runs need no bounds checks along x. */
 class ScoreGrid {
  public:
   static constexpr int8_t kOccupied = 1, kUnknown = 0, kFree = -1;
 
-  ScoreGrid(const octomap::OcTree& map, double cell, int margin) : cell_(cell) {
-    Eigen::Vector3d low, high;
-    map.getMetricMin(low.x(), low.y(), low.z());
-    map.getMetricMax(high.x(), high.y(), high.z());
+  /** The part of \a map within \a region. */
+  ScoreGrid(const octomap::OcTree& map, const Eigen::AlignedBox3d& region, double cell, int margin)
+      : cell_(cell) {
     for (int axis = 0; axis < 3; axis++) {
       const int extra = axis == 0 ? margin : 1;
-      low_[axis] = static_cast<int>(std::floor(low[axis] / cell)) - extra;
-      size_[axis] = static_cast<int>(std::floor(high[axis] / cell)) + extra + 1 - low_[axis];
+      low_[axis] = static_cast<int>(std::floor(region.min()[axis] / cell)) - extra;
+      size_[axis] =
+          static_cast<int>(std::floor(region.max()[axis] / cell)) + extra + 1 - low_[axis];
     }
     values_.assign(static_cast<size_t>(size_[0]) * static_cast<size_t>(size_[1]) *
                        static_cast<size_t>(size_[2]),
@@ -42,7 +42,8 @@ class ScoreGrid {
   }
 
   Cell cellOf(const Eigen::Vector3d& p) const {
-    return {static_cast<int>(std::floor(p.x() / cell_)), static_cast<int>(std::floor(p.y() / cell_)),
+    return {static_cast<int>(std::floor(p.x() / cell_)),
+            static_cast<int>(std::floor(p.y() / cell_)),
             static_cast<int>(std::floor(p.z() / cell_))};
   }
 
@@ -65,7 +66,11 @@ class ScoreGrid {
 
   void fill(const Eigen::Vector3d& centre, double side, int8_t value) {
     const Eigen::Vector3d inside = Eigen::Vector3d::Constant(0.499 * side);
-    const Cell low = cellOf(centre - inside), high = cellOf(centre + inside);
+    Cell low = cellOf(centre - inside), high = cellOf(centre + inside);
+    for (unsigned axis = 0; axis < 3; axis++) {
+      low[axis] = std::max(low[axis], low_[axis]);
+      high[axis] = std::min(high[axis], low_[axis] + size_[axis] - 1);
+    }
     for (int z = low[2]; z <= high[2]; z++)
       for (int y = low[1]; y <= high[1]; y++)
         for (int x = low[0]; x <= high[0]; x++)
@@ -134,8 +139,7 @@ struct Place {
 
 /** The score of each translation in the window, x fastest. */
 std::vector<int32_t> scoreWindow(const ScoreGrid& grid, const Eigen::Isometry3d& T,
-                                 const std::vector<Eigen::Vector3d>& points,
-                                 const Window& window) {
+                                 const std::vector<Eigen::Vector3d>& points, const Window& window) {
   const auto& [low, size] = window;
   std::vector<int32_t> sums(static_cast<size_t>(size[0]) * static_cast<size_t>(size[1]) *
                             static_cast<size_t>(size[2]));
@@ -185,34 +189,61 @@ Eigen::Vector3d meanOf(const std::vector<Eigen::Vector3d>& points) {
   return sum / static_cast<double>(std::max<size_t>(1, points.size()));
 }
 
+/** The part of map A where B's voxels can come to lie. */
+Eigen::AlignedBox3d regionOf(const octomap::OcTree& map_a, const OccupiedVoxels& b,
+                             const Eigen::Isometry3d& T_a_b, const SearchParams& params) {
+  Eigen::AlignedBox3d box_a, box_b;
+  Eigen::Vector3d low, high;
+  map_a.getMetricMin(low.x(), low.y(), low.z());
+  map_a.getMetricMax(high.x(), high.y(), high.z());
+  box_a.extend(low).extend(high);
+  for (const auto& c : b.centre) box_b.extend(T_a_b * c.cast<double>());
+  // Turned by any angle it stays within its diagonal; the window reaches three translations.
+  const double turn = params.yaw > 0 ? 0.5 * box_b.diagonal().head<2>().norm() : 0;
+  const double reach = 3 * params.translation + turn;
+  box_b.extend(box_b.min() - Eigen::Vector3d(reach, reach, 2 * params.height));
+  box_b.extend(box_b.max() + Eigen::Vector3d(reach, reach, 2 * params.height));
+  const Eigen::AlignedBox3d common = box_a.intersection(box_b);
+  return common.isEmpty() ? Eigen::AlignedBox3d(low, low) : common;
+}
+
+/** The cell's side: as asked for, at least two voxels, and so large that the grid stays small
+ * however far apart the pieces of the maps lie. */
+double cellFor(const octomap::OcTree& map_a, const OccupiedVoxels& b,
+               const Eigen::Isometry3d& T_a_b, const SearchParams& params) {
+  constexpr double kMostCells = 64e6;
+  const double volume = regionOf(map_a, b, T_a_b, params).volume();
+  return std::max(
+      {params.cell, 2 * map_a.getResolution(), 2 * b.resolution, std::cbrt(volume / kMostCells)});
+}
+
 }  // namespace
 
 std::vector<Hypothesis> searchAround(const octomap::OcTree& map_a, const OccupiedVoxels& b,
                                      const Eigen::Isometry3d& T_a_b, const SearchParams& params) {
   if (b.size() == 0 || map_a.size() == 0 || params.translation <= 0 || params.hypotheses == 0)
     return {};
-  const double cell = std::max(params.cell, 2 * std::max(map_a.getResolution(), b.resolution));
+  const double cell = cellFor(map_a, b, T_a_b, params);
   const int reach = static_cast<int>(std::ceil(params.translation / cell));
   const int reach_z = static_cast<int>(std::ceil(params.height / cell));
 
   const auto points = coarsePoints(b, cell);
   const Eigen::Vector3d middle = T_a_b * meanOf(points);
   double radius = cell;
-  for (const auto& p : points)
-    radius = std::max(radius, (T_a_b * p - middle).head<2>().norm());
+  for (const auto& p : points) radius = std::max(radius, (T_a_b * p - middle).head<2>().norm());
   const double yaw_step = cell / radius;
   const int yaws = static_cast<int>(std::ceil(params.yaw / yaw_step));
 
-  // A guess that is wrong in yaw turned the map about the origin of B's frame as likely as about its
-  // middle, which then lies elsewhere: the window of a yaw covers both.
+  // A guess that is wrong in yaw turned the map about the origin of B's frame as likely as about
+  // its middle, which then lies elsewhere: the window of a yaw covers both.
   const Eigen::Vector3d lever = middle - T_a_b.translation();
   const auto windowOf = [&](int yaw) {
     const Eigen::Vector3d turned =
         Eigen::AngleAxisd(yaw * yaw_step, Eigen::Vector3d::UnitZ()) * lever - lever;
     Window w;
     for (int axis = 0; axis < 2; axis++) {
-      const int shift = std::clamp(static_cast<int>(std::lround(turned[axis] / cell)), -2 * reach,
-                                   2 * reach);
+      const int shift =
+          std::clamp(static_cast<int>(std::lround(turned[axis] / cell)), -2 * reach, 2 * reach);
       w.low[axis] = std::min(0, shift) - reach;
       w.size[axis] = std::max(0, shift) + reach + 1 - w.low[axis];
     }
@@ -226,7 +257,7 @@ std::vector<Hypothesis> searchAround(const octomap::OcTree& map_a, const Occupie
                              Eigen::Translation3d(-middle) * T_a_b);
   };
 
-  const ScoreGrid grid(map_a, cell, 6 * reach + 2);
+  const ScoreGrid grid(map_a, regionOf(map_a, b, T_a_b, params), cell, 6 * reach + 2);
   std::vector<std::vector<Place>> best_of_yaw(static_cast<size_t>(2 * yaws + 1));
   forEachIndex(best_of_yaw.size(), 1, [&](size_t i) {
     const int yaw = static_cast<int>(i) - yaws;

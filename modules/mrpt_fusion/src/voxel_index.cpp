@@ -26,7 +26,8 @@ VoxelIndex::VoxelIndex(const std::vector<octomap::OcTreeKey>& keys) {
   for (size_t i = 0; i < keys.size(); i++) {
     const auto& k = keys[i];
     size_t slot = hash(blockKey(k[0] >> 3, k[1] >> 3, k[2] >> 3)) & mask_;
-    while (slots_[slot].block != blockKey(k[0] >> 3, k[1] >> 3, k[2] >> 3)) slot = (slot + 1) & mask_;
+    while (slots_[slot].block != blockKey(k[0] >> 3, k[1] >> 3, k[2] >> 3))
+      slot = (slot + 1) & mask_;
     cells_[slots_[slot].first + cellOf(k[0], k[1], k[2])] = static_cast<uint32_t>(i);
   }
 }

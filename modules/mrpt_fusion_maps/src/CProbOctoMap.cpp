@@ -86,7 +86,8 @@ void CProbOctoMap::TInsertionOptions::saveToConfigFile(mrpt::config::CConfigFile
 
 void CProbOctoMap::TInsertionOptions::check() const {
   for (const double p : {occupancyThres, probHit, probMiss, clampingThresMin, clampingThresMax})
-    ASSERTMSG_(p > 0 && p < 1, "CProbOctoMap: a probability in the insertion options is not in (0,1)");
+    ASSERTMSG_(p > 0 && p < 1,
+               "CProbOctoMap: a probability in the insertion options is not in (0,1)");
   ASSERTMSG_(probHit >= 0.5 && probMiss <= 0.5,
              "CProbOctoMap: probHit must be at least 0.5 and probMiss at most 0.5");
   ASSERTMSG_(clampingThresMin < clampingThresMax,
@@ -143,7 +144,8 @@ void CProbOctoMap::applySensorModel() {
 void CProbOctoMap::internal_clear() { m_octree->clear(); }
 
 std::string CProbOctoMap::asString() const {
-  return mrpt::format("Probabilistic octomap, voxels of %.03f m, %zu nodes", getResolution(), size());
+  return mrpt::format("Probabilistic octomap, voxels of %.03f m, %zu nodes", getResolution(),
+                      size());
 }
 
 // ---------------------------------------------------------------- serialization
@@ -198,7 +200,8 @@ void CProbOctoMap::serializeFrom(mrpt::serialization::CArchive& in, uint8_t vers
   double resolution = 0;
   OcTreeAccess::SensorModel m{};
   uint64_t size = 0;
-  in >> resolution >> m.clamp_min >> m.clamp_max >> m.hit >> m.miss >> m.occupancy_threshold >> size;
+  in >> resolution >> m.clamp_min >> m.clamp_max >> m.hit >> m.miss >> m.occupancy_threshold >>
+      size;
   ASSERTMSG_(resolution > 0 && std::isfinite(resolution),
              "CProbOctoMap: corrupt stream: the resolution is not a positive length");
   map.m_octree = std::make_unique<octomap::OcTree>(resolution);
@@ -329,7 +332,8 @@ double CProbOctoMap::internal_computeObservationLikelihood(
   octomap::OcTreeKey key;
   for (size_t i = 0; i < rays->ends.size(); i += step)
     if (m_octree->coordToKeyChecked(rays->ends.getPoint(static_cast<unsigned>(i)), key))
-      if (const auto* node = m_octree->search(key)) log_likelihood += std::log(node->getOccupancy());
+      if (const auto* node = m_octree->search(key))
+        log_likelihood += std::log(node->getOccupancy());
   return log_likelihood;
 }
 
@@ -355,8 +359,8 @@ bool CProbOctoMap::castRay(const mrpt::math::TPoint3D& origin,
                             static_cast<float>(p.z));
   };
   octomap::point3d hit;
-  const bool found = m_octree->castRay(toOctomap(origin), toOctomap(direction), hit,
-                                       ignoreUnknownCells, maxRange);
+  const bool found =
+      m_octree->castRay(toOctomap(origin), toOctomap(direction), hit, ignoreUnknownCells, maxRange);
   end = {hit.x(), hit.y(), hit.z()};
   return found;
 }
@@ -365,7 +369,9 @@ bool CProbOctoMap::castRay(const mrpt::math::TPoint3D& origin,
 
 namespace {
 
-double probability(float log_odds) { return 1.0 / (1.0 + std::exp(-static_cast<double>(log_odds))); }
+double probability(float log_odds) {
+  return 1.0 / (1.0 + std::exp(-static_cast<double>(log_odds)));
+}
 
 /** Log-odds as far as double-valued probabilities reach: beyond, they are 0 or 1. */
 constexpr float kMaxLogOdds = 36.0F;
@@ -381,9 +387,9 @@ double exactProbability(float log_odds) {
 }
 
 void copySensorModel(const COctoMap& from, octomap::OcTree& to) {
-  OcTreeAccess::setSensorModel(to, {from.getClampingThresMinLog(), from.getClampingThresMaxLog(),
-                                    from.getProbHitLog(), from.getProbMissLog(),
-                                    from.getOccupancyThresLog()});
+  OcTreeAccess::setSensorModel(
+      to, {from.getClampingThresMinLog(), from.getClampingThresMaxLog(), from.getProbHitLog(),
+           from.getProbMissLog(), from.getOccupancyThresLog()});
 }
 
 /** A leaf cube and its value, ordered by the cube's place in the tree. */
@@ -400,7 +406,8 @@ class LeafListVisitor {
   };
   OcTreeFill visit(const OcTreeCube& cube, const State& s) const {
     if (s.leaves.empty()) return OcTreeFill::unknown();
-    if (s.leaves.front().cube.depth == cube.depth) return OcTreeFill::leaf(s.leaves.front().log_odds);
+    if (s.leaves.front().cube.depth == cube.depth)
+      return OcTreeFill::leaf(s.leaves.front().log_odds);
     return OcTreeFill::split();
   }
   State descend(State& parent, unsigned, const OcTreeCube& child) const {
@@ -444,9 +451,10 @@ void CProbOctoMap::fromOctoMap(const COctoMap& o) {
       const auto depth = static_cast<unsigned>(OcTreeCube::kMaxDepth - std::lround(levels));
       double p = 0;
       OcTreeCube cube{{0, 0, 0}, depth};
-      const bool known = depth <= OcTreeCube::kMaxDepth &&
-                         o.getPointOccupancy(v.coords.x, v.coords.y, v.coords.z, p) &&
-                         tree->coordToKeyChecked(v.coords.x, v.coords.y, v.coords.z, depth, cube.key);
+      const bool known =
+          depth <= OcTreeCube::kMaxDepth &&
+          o.getPointOccupancy(v.coords.x, v.coords.y, v.coords.z, p) &&
+          tree->coordToKeyChecked(v.coords.x, v.coords.y, v.coords.z, depth, cube.key);
       ASSERTMSG_(known, "CProbOctoMap: a voxel of the COctoMap does not lie on an octree's grid");
       const uint32_t lowest = ~(cube.side() - 1U);
       for (unsigned axis = 0; axis < 3; axis++)

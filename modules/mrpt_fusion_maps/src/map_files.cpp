@@ -14,7 +14,6 @@
 #include <mrpt/poses/CPose3DInterpolator.h>
 #include <mrpt/serialization/CArchive.h>
 #include <mrpt/system/filesystem.h>
-
 #include <zlib.h>
 
 #include <algorithm>
@@ -29,8 +28,8 @@ using mrpt::serialization::CSerializable;
 namespace mrpt::maps {
 namespace {
 
-/** A file, gz-compressed or not, as MRPT's archives read it. MRPT's own takes a file that ends early,
- * amid a number or a compressed block, for one that ends there; this one throws. */
+/** A file, gz-compressed or not, as MRPT's archives read it. MRPT's own takes a file that ends
+ * early, amid a number or a compressed block, for one that ends there; this one throws. */
 class GzFile : public mrpt::io::CStream {
  public:
   explicit GzFile(const std::string& path) : file_(::gzopen(path.c_str(), "rb")) {
@@ -127,7 +126,8 @@ class Builder {
   void ignore() { ignored_++; }
 
   BuiltMap finish() {
-    if (inserted_ == 0) throw std::runtime_error("no observation in it could be inserted in the map");
+    if (inserted_ == 0)
+      throw std::runtime_error("no observation in it could be inserted in the map");
     BuiltMap built;
     built.map = maps_.maps.size() == 1 ? CMetricMap::Ptr(maps_.maps.front())
                                        : std::make_shared<CMultiMetricMap>(maps_);
@@ -273,7 +273,8 @@ std::shared_ptr<const CProbOctoMap> loadMap(const std::string& path, const Build
       map = std::dynamic_pointer_cast<CMetricMap>(first);
     auto octomap = map ? asProbOctoMap(*map) : nullptr;
     if (!octomap)
-      throw std::runtime_error(std::string("a ") + (map ? map : first)->GetRuntimeClass()->className +
+      throw std::runtime_error(std::string("a ") +
+                               (map ? map : first)->GetRuntimeClass()->className +
                                " is not, and holds no, 3-D occupancy map");
     // The octomap may be a part of the object read: keep that alive with it.
     return {std::make_shared<std::pair<CMetricMap::Ptr, decltype(octomap)>>(map, octomap),

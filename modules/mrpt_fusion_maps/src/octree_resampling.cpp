@@ -152,8 +152,7 @@ class ResamplingVisitor {
           const Eigen::Vector3d offset = (Eigen::Vector3d(x, y, z).array() + 0.5) / n;
           const Eigen::Vector3d p =
               toSource(Eigen::Vector3d(voxel.key[0], voxel.key[1], voxel.key[2]) + offset);
-          if (const auto* leaf = findLeaf(p, s))
-            highest = std::max(highest, leaf->getLogOdds());
+          if (const auto* leaf = findLeaf(p, s)) highest = std::max(highest, leaf->getLogOdds());
         }
     return std::isinf(highest) ? OcTreeFill::unknown() : OcTreeFill::leaf(highest);
   }
@@ -171,10 +170,11 @@ class ResamplingVisitor {
                  key[axis] - piece.cube.key[axis] < piece.cube.side();
       if (!inside) continue;
       const OcTreeNode* node = piece.node;
-      for (unsigned bit = OcTreeCube::kMaxDepth - piece.cube.depth; source_.nodeHasChildren(node);) {
+      for (unsigned bit = OcTreeCube::kMaxDepth - piece.cube.depth;
+           source_.nodeHasChildren(node);) {
         bit--;
-        const unsigned i = ((key[0] >> bit) & 1U) | ((key[1] >> bit) & 1U) << 1U |
-                           ((key[2] >> bit) & 1U) << 2U;
+        const unsigned i =
+            ((key[0] >> bit) & 1U) | ((key[1] >> bit) & 1U) << 1U | ((key[2] >> bit) & 1U) << 2U;
         if (!source_.nodeChildExists(node, i)) return nullptr;
         node = source_.getNodeChild(node, i);
       }

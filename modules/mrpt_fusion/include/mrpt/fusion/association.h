@@ -54,7 +54,8 @@ DescriptorWeights descriptorWeights(double mse, double H_m, double lambda_tau,
 
 /** Finds pairs by eq. (14): the 4-D descriptor {x, y, z, p}. Built once for a model;
  * building is O(n log n), associating about O(m log n), on all cores with the same result for any
- * number of them. One object is not to be used from two threads at once. The gate is on the square root of the eq.'s distance, in metres (Table I). */
+ * number of them. One object is not to be used from two threads at once. The gate is on the square
+ * root of the eq.'s distance, in metres (Table I). */
 class VoxelAssociation {
  public:
   explicit VoxelAssociation(const OccupiedVoxels& model);

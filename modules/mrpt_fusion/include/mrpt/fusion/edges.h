@@ -21,14 +21,14 @@ struct EdgeParams {
   /** Largest surface variation lambda_3 / (lambda_1 + lambda_2 + lambda_3) of a voxel that has a
    * normal: near 0 on a plane, 0.09 on a clean right-angled edge, 1/3 inside a solid. */
   double max_surface_variation = 0.2;
-  double kappa = 0.5;             ///< least mean angle cost of a candidate (Table I)
-  double trace_distance = 0.5;    ///< d_T, m
+  double kappa = 0.5;                            ///< least mean angle cost of a candidate (Table I)
+  double trace_distance = 0.5;                   ///< d_T, m
   double trace_step_angle = 0.2617993877991494;  ///< delta, rad (15 deg)
   double alpha_min = 1.3962634015954636;         ///< angle window of the two traces, rad (80 deg)
   double alpha_max = 1.7453292519943295;         ///< rad (100 deg)
-  unsigned outlier_neighbours = 8;   ///< neighbours whose mean distance tells an outlier (line 23)
-  double outlier_deviations = 1.0;   ///< kept up to this many standard deviations above the mean
-  double direction_radius = 0.5;     ///< of the edge voxels that make Sigma_tau, eq. (6), m
+  unsigned outlier_neighbours = 8;  ///< neighbours whose mean distance tells an outlier (line 23)
+  double outlier_deviations = 1.0;  ///< kept up to this many standard deviations above the mean
+  double direction_radius = 0.5;    ///< of the edge voxels that make Sigma_tau, eq. (6), m
 };
 
 /** The edge voxels of a map, as parallel arrays. */
@@ -41,8 +41,8 @@ struct EdgeVoxels {
   size_t size() const { return centre.size(); }
 };
 
-/** Lines 2-6: the unit normal of each voxel, of arbitrary sign: the least principal component of the
- * occupied voxels within r_N. Fewer than three of them, or all on a line: a zero vector.
+/** Lines 2-6: the unit normal of each voxel, of arbitrary sign: the least principal component of
+ * the occupied voxels within r_N. Fewer than three of them, or all on a line: a zero vector.
  * O(voxels * neighbours). */
 std::vector<Eigen::Vector3f> computeNormals(const OccupiedVoxels& voxels, const EdgeParams& params);
 

@@ -29,7 +29,7 @@ struct FreeSpaceCheck {
 };
 
 struct Evaluation {
-  size_t pairs = 0;             ///< N_match
+  size_t pairs = 0;  ///< N_match
   size_t inliers = 0;
   double overlap = 0;           ///< Theta, eq. (25), [0,1]
   double inlier_ratio = 0;      ///< inliers / pairs
@@ -41,8 +41,8 @@ struct Evaluation {
   std::vector<std::string> reasons;  ///< for the verdict, one sentence each
 };
 
-/** The square root of eq. (24)'s exponent: |m - s| / sqrt(1/p_m + 1/p_s). Published without unit; the
- * distance is taken in metres: 0.2 is 0.29 m at p = 0.97. */
+/** The square root of eq. (24)'s exponent: |m - s| / sqrt(1/p_m + 1/p_s). Published without unit;
+ * the distance is taken in metres: 0.2 is 0.29 m at p = 0.97. */
 double mahalanobisDistance(double squared_distance, double p_model, double p_scene);
 
 /** Eq. (25): the overlap Theta, mean share of matched voxels in both maps. */
@@ -56,9 +56,9 @@ double acceptanceThreshold(double overlap);
 FreeSpaceCheck checkFreeSpace(const octomap::OcTree& model, const OccupiedVoxels& scene,
                               const Eigen::Isometry3d& T_model_scene);
 
-/** Eqs. (23)-(25) on the pairs of a match, joined by what they ignore: a wrong pose can lay floor on
- * floor, but it puts walls where the other robot has seen free space.
- * \param[in] pairs Of voxels at T_a_b, gated as in matching.
+/** Eqs. (23)-(25) on the pairs of a match, joined by what they ignore: a wrong pose can lay floor
+ * on floor, but it puts walls where the other robot has seen free space. \param[in] pairs Of voxels
+ * at T_a_b, gated as in matching.
  */
 Evaluation evaluateMatch(const octomap::OcTree& map_a, const OccupiedVoxels& a,
                          const octomap::OcTree& map_b, const OccupiedVoxels& b, const Pairs& pairs,

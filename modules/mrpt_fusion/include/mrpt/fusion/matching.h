@@ -65,7 +65,8 @@ struct IterationRecord {
 
 struct MatchResult {
   Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();
-  Matrix6d covariance = Matrix6d::Zero();  ///< of a left perturbation (translation, rotation)
+  /** Of a left perturbation (translation, rotation); huge as long as nothing is known. */
+  Matrix6d covariance = 1e6 * Matrix6d::Identity();
   std::vector<IterationRecord> iterations;
   Pairs pairs;  ///< of voxels at T_a_b, see pairVoxels()
   /** Fewer than this many pairs tell nothing, and no level goes on with them. */
@@ -89,15 +90,15 @@ MatchResult matchTwoLevel(const MapFeatures& a, const MapFeatures& b,
                           const Eigen::Isometry3d& T_a_b, const MatchParams& params,
                           const OnIteration& on_iteration = {});
 
-/** As matchTwoLevel(), but from several starts (not in the paper): beside the guess itself, the best
- * poses that searchAround() finds near it, each carried to the voxel level; the result is the one
- * where the maps agree best, see agreement(). Without a search (params.search.translation = 0) it is
- * matchTwoLevel(). */
+/** As matchTwoLevel(), but from several starts (not in the paper): beside the guess itself, the
+ * best poses that searchAround() finds near it, each carried to the voxel level; the result is the
+ * one where the maps agree best, see agreement(). Without a search (params.search.translation = 0)
+ * it is matchTwoLevel(). */
 MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
                       const MatchParams& params, const OnIteration& on_iteration = {});
 
-/** How well two maps agree at a pose: obstacles of each that the other confirms, less those that lie
- * in the other's free space. */
+/** How well two maps agree at a pose: obstacles of each that the other confirms, less those that
+ * lie in the other's free space. */
 double agreement(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b);
 
 /** The voxel pairs at a given pose, weighted and gated as the voxel level begins: what

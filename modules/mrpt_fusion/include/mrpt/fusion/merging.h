@@ -14,12 +14,12 @@ namespace mrpt::fusion {
 
 /** What a voxel holds that both maps know. */
 enum class MergePolicy {
-  RelativeEntropy,  ///< the paper's filter, eqs. (26)-(28): within the KL threshold the weighted mean,
-                    ///< beyond it the higher probability
-  Average,          ///< mean of the probabilities (a baseline of the paper)
-  Stitch,           ///< map A's value: the maps are laid side by side, B fills in what A does not
-                    ///< know (a baseline of the paper)
-  Bayes             ///< sum of the log-odds: both maps' observations counted as independent
+  RelativeEntropy,  ///< the paper's filter, eqs. (26)-(28): within the KL threshold the weighted
+                    ///< mean, beyond it the higher probability
+  Average,  ///< mean of the probabilities (a baseline of the paper)
+  Stitch,   ///< map A's value: the maps are laid side by side, B fills in what A does not
+            ///< know (a baseline of the paper)
+  Bayes     ///< sum of the log-odds: both maps' observations counted as independent
 };
 
 /** The policies with their names in .ini files and on the command line. */
@@ -30,8 +30,8 @@ struct MergeParams {
   double kl_threshold = 0.1;  ///< of relativeEntropy(), nats (Table I)
 };
 
-/** Eq. (27): KL(p || q) of two occupancy probabilities, nats, >= 0, not symmetric. Probabilities are
- * first clamped to [1e-6, 1 - 1e-6]. */
+/** Eq. (27): KL(p || q) of two occupancy probabilities, nats, >= 0, not symmetric. Probabilities
+ * are first clamped to [1e-6, 1 - 1e-6]. */
 double relativeEntropy(double p, double q);
 
 /** Eq. (28): the mean of two probabilities, each weighted by itself; never below their mean. */

@@ -7,7 +7,9 @@
 
 /** \file The paper's Sec. IV-C: the pose that brings the pairs together.
  *
- * Poses are perturbed on the left, `T <- exp(xi) T`, xi = (translation, rotation), in A's frame. */
+ * Poses are perturbed on the left, in A's frame, about the middle c of the pairs:
+ * `T <- Tr(c) exp(xi) Tr(-c) T`, xi = (translation, rotation). Turning about the pairs themselves
+ * keeps the equations well conditioned however far the maps lie from their frames' origins. */
 
 namespace mrpt::fusion {
 
@@ -18,7 +20,8 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 struct NormalEquations {
   Matrix6d H = Matrix6d::Zero();
   Vector6d g = Vector6d::Zero();
-  double error = 0;  ///< sum of squared Mahalanobis distances
+  double error = 0;                                  ///< sum of squared Mahalanobis distances
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< c, m
 };
 
 /** Eq. (21), the edge level: e = m - T s, W = (Sigma_m + R Sigma_s R')^-1 with the fused
@@ -30,10 +33,11 @@ NormalEquations linearizeEdges(const EdgeVoxels& model, const EdgeVoxels& scene,
 NormalEquations linearizeVoxels(const OccupiedVoxels& model, const OccupiedVoxels& scene,
                                 const Pairs& pairs, const Eigen::Isometry3d& T_a_b);
 
-/** The voxel level with directions (not in the paper, after Segal et al., "Generalized-ICP"): a voxel
- * with a normal is a piece of surface, well known across it and hardly along it. W is eq. (22)'s
- * factor times (C_m + R C_s R')^-1, C = I - (1 - flatness) n n', so that surfaces slide along each
- * other; voxels without a normal have C = I. \param[in] *_normal One unit or zero vector per voxel. */
+/** The voxel level with directions (not in the paper, after Segal et al., "Generalized-ICP"): a
+ * voxel with a normal is a piece of surface, well known across it and hardly along it. W is eq.
+ * (22)'s factor times (C_m + R C_s R')^-1, C = I - (1 - flatness) n n', so that surfaces slide
+ * along each other; voxels without a normal have C = I. \param[in] *_normal One unit or zero vector
+ * per voxel. */
 NormalEquations linearizeSurfaces(const OccupiedVoxels& model,
                                   const std::vector<Eigen::Vector3f>& model_normal,
                                   const OccupiedVoxels& scene,
@@ -45,26 +49,31 @@ NormalEquations linearizeSurfaces(const OccupiedVoxels& model,
 Eigen::Isometry3d expSE3(const Vector6d& xi);
 
 struct SolverParams {
-  unsigned max_steps = 10;      ///< Levenberg-Marquardt steps for one set of pairs
+  unsigned max_steps = 10;        ///< Levenberg-Marquardt steps for one set of pairs
   double min_translation = 1e-5;  ///< stop below this step, m
   double min_rotation = 1e-5;     ///< and this, rad
 };
 
-/** Levenberg-Marquardt on SE(3): minimises the error that \a linearize (T -> NormalEquations) gives.
- * Directions that the pairs do not constrain are left as they are.
- * Cost: one linearisation a step. \return The pose; never one of a larger error than \a T. */
+/** Levenberg-Marquardt on SE(3): minimises the error that \a linearize (T -> NormalEquations)
+ * gives. Directions that the pairs do not constrain are left as they are. Cost: one linearisation a
+ * step. \return The pose; never one of a larger error than \a T. */
 template <class Linearize>
 Eigen::Isometry3d optimizePose(Eigen::Isometry3d T, const SolverParams& params,
                                Linearize&& linearize);
 
-/** The covariance of the pose, in xi, from the equations at the optimum: s^2 H^-1 with the residual
+/** T perturbed by xi about a centre. */
+Eigen::Isometry3d perturb(const Eigen::Isometry3d& T, const Vector6d& xi,
+                          const Eigen::Vector3d& centre);
+
+/** The covariance of a left perturbation of the pose about the origin of A's frame, from the
+ * equations at the optimum: s^2 H^-1 with the residual
  * variance s^2 = error / (3 pairs - 6); directions with no information get \a unknown_variance. */
 Matrix6d poseCovariance(const NormalEquations& at_optimum, size_t pairs,
                         double unknown_variance = 1e6);
 
 // ------------------------------------------------------------------------------------------------
 
-/** Solves (H + lambda diag H) xi = g, ignoring directions without information. */
+/** Solves (H + lambda diag H) xi = g in the subspace that the pairs constrain. */
 Vector6d solveDamped(const NormalEquations& equations, double lambda);
 
 template <class Linearize>
@@ -74,7 +83,7 @@ Eigen::Isometry3d optimizePose(Eigen::Isometry3d T, const SolverParams& params,
   NormalEquations equations = linearize(T);
   for (unsigned step = 0; step < params.max_steps; step++) {
     const Vector6d xi = solveDamped(equations, lambda);
-    const Eigen::Isometry3d candidate = expSE3(xi) * T;
+    const Eigen::Isometry3d candidate = perturb(T, xi, equations.centre);
     const NormalEquations next = linearize(candidate);
     if (next.error <= equations.error) {
       T = candidate;

@@ -16,11 +16,11 @@
 namespace mrpt::fusion {
 
 struct SearchParams {
-  double translation = 2.5;  ///< half width of the search in x and y, m; 0: no search
-  double height = 0.6;       ///< half width in z, m
+  double translation = 2.5;         ///< half width of the search in x and y, m; 0: no search
+  double height = 0.6;              ///< half width in z, m
   double yaw = 0.3490658503988659;  ///< half width of the rotation about A's z axis, rad (20 deg)
-  double cell = 0.3;         ///< of the coarse grid, m; at least two voxels
-  unsigned hypotheses = 3;   ///< best distinct poses to return
+  double cell = 0.3;                ///< of the coarse grid, m; at least two voxels
+  unsigned hypotheses = 3;          ///< best distinct poses to return
 };
 
 /** A pose and how well the maps agree there. */
@@ -30,9 +30,9 @@ struct Hypothesis {
 };
 
 /** Scores every pose of a lattice around \a T_a_b: translations by whole cells, rotations about A's
- * vertical (through B's middle and through the origin of its frame), fine enough that no voxel of B moves by more than a cell from one to
- * the next. An obstacle of B counts for a pose where A has one too, and against it where A has seen
- * free space, away from obstacles.
+ * vertical (through B's middle and through the origin of its frame), fine enough that no voxel of B
+ * moves by more than a cell from one to the next. An obstacle of B counts for a pose where A has
+ * one too, and against it where A has seen free space, away from obstacles.
  *
  * \return The best poses that are two cells or the angle of two cells apart, best first.
  * Deterministic, whatever the number of threads.

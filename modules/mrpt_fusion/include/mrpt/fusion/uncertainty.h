@@ -20,7 +20,7 @@ double voxelVariance(double probability, double resolution, VoxelCovariance kind
 
 /** Eq. (6): the spatial covariance of the edge voxels around one, by its eigen-decomposition. */
 struct EdgeCovariance {
-  Eigen::Vector3d eigenvalues = Eigen::Vector3d::Zero();     ///< ascending, m^2
+  Eigen::Vector3d eigenvalues = Eigen::Vector3d::Zero();       ///< ascending, m^2
   Eigen::Matrix3d eigenvectors = Eigen::Matrix3d::Identity();  ///< columns, same order
 
   /** The edge direction tau, a unit vector of arbitrary sign. */
@@ -40,8 +40,8 @@ EdgeCovariance edgeCovariance(const std::vector<Eigen::Vector3f>& neighbours);
 /** Eqs. (7)-(9): the product of the voxel's and the edge's Gaussians,
  * (Sigma_p^-1 + Sigma_tau^-1)^-1, about their common mean.
  * \param[in] voxel_variance Sigma_p = voxel_variance * I, m^2, positive.
- * \param[in] edge Sigma_tau, m^2, symmetric and positive semi-definite (a singular one is a Gaussian
- * of no extent along some axis, and so is the product). */
+ * \param[in] edge Sigma_tau, m^2, symmetric and positive semi-definite (a singular one is a
+ * Gaussian of no extent along some axis, and so is the product). */
 Eigen::Matrix3d fuseCovariances(double voxel_variance, const Eigen::Matrix3d& edge);
 
 }  // namespace mrpt::fusion

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <octomap/octomap_types.h>
-#include <octomap/OcTreeKey.h>
+#include <octomap/OcTree.h>
 
 #include <array>
 #include <cstdint>

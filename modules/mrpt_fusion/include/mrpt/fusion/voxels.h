@@ -20,17 +20,16 @@ struct OccupiedVoxels {
   size_t size() const { return centre.size(); }
 };
 
-/** Extracts the occupied voxels (probability at least the tree's occupancy threshold), pruned leaves
- * expanded. One traversal, O(nodes + voxels).
- * \param[in] max_voxels Refuse to expand to more voxels than this (a tiny hostile file can hold one
- * leaf that stands for 2^48 voxels).
- * \exception std::length_error If there are more.
+/** Extracts the occupied voxels (probability at least the tree's occupancy threshold), pruned
+ * leaves expanded. One traversal, O(nodes + voxels). \param[in] max_voxels Refuse to expand to more
+ * voxels than this (a tiny hostile file can hold one leaf that stands for 2^48 voxels). \exception
+ * std::length_error If there are more.
  */
 OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map, size_t max_voxels = 100'000'000);
 
 /** Figures of a map's voxels, each pruned leaf counted as the finest voxels it stands for. */
 struct MapStatistics {
-  size_t occupied = 0, free = 0;  ///< finest voxels
+  size_t occupied = 0, free = 0;     ///< finest voxels
   double mean_entropy_occupied = 0;  ///< mean of binaryEntropy() over occupied voxels, nats
   double mean_entropy_known = 0;     ///< over occupied and free voxels, nats
 };

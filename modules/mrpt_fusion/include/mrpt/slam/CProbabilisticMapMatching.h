@@ -16,9 +16,9 @@ namespace mrpt::slam {
 
 /** Two-level probabilistic map matching (PMM) of 3-D occupancy maps, and the steps around it.
  *
- * Finds the pose of map m2 (the scene, "B") in the frame of map m1 (the model, "A"), and says whether
- * that pose can be trusted. After Yue et al., "Hierarchical Probabilistic Fusion Framework for
- * Matching and Merging of 3-D Occupancy Maps".
+ * Finds the pose of map m2 (the scene, "B") in the frame of map m1 (the model, "A"), and says
+ * whether that pose can be trusted. After Yue et al., "Hierarchical Probabilistic Fusion Framework
+ * for Matching and Merging of 3-D Occupancy Maps".
  *
  * Maps may be CProbOctoMap, COctoMap, or a CMultiMetricMap with one of them; they are not modified.
  * \code

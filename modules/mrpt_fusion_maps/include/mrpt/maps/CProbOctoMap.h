@@ -16,8 +16,8 @@ namespace mrpt::maps {
  * log-odds value, wherever it goes.
  *
  * It takes the observations, options and .ini keys of mrpt::maps::COctoMap, and differs from it:
- *  - serialization holds every node's log-odds bit for bit, the structure of the tree and the sensor
- *    model (COctoMap's keeps one bit per voxel, and changes the map it saves);
+ *  - serialization holds every node's log-odds bit for bit, the structure of the tree and the
+ * sensor model (COctoMap's keeps one bit per voxel, and changes the map it saves);
  *  - the `sensorPose` of 3-D observations moves their points as well as the ray's origin;
  *  - a 3-D range scan that brings only a range image is projected;
  *  - isEmpty() is true for a fresh map;
@@ -60,8 +60,8 @@ class CProbOctoMap : public CMetricMap {
   /** Names, meaning and defaults as in COctoMap::TInsertionOptions; probabilities in (0,1). They
    * become the octree's sensor model at each insertion. */
   struct TInsertionOptions : public mrpt::config::CLoadableOptions {
-    double maxrange = -1;      //!< Length to which beams are inserted, metres; -1: all of it
-    bool pruning = true;       //!< Prune the tree (without loss) after each insertion
+    double maxrange = -1;  //!< Length to which beams are inserted, metres; -1: all of it
+    bool pruning = true;   //!< Prune the tree (without loss) after each insertion
     double occupancyThres = 0.5;
     double probHit = 0.7;
     double probMiss = 0.4;

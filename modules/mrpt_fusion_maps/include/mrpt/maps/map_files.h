@@ -47,14 +47,15 @@ struct BuiltMap {
  */
 BuiltMap buildMap(const std::string& path, const BuildParams& params = {});
 
-/** Loads a map from a file of any kind: `.ot`, `.bt`, an MRPT-serialized map (CProbOctoMap, COctoMap,
- * CMultiMetricMap with one of them), or observations to build it from (see buildMap()).
+/** Loads a map from a file of any kind: `.ot`, `.bt`, an MRPT-serialized map (CProbOctoMap,
+ * COctoMap, CMultiMetricMap with one of them), or observations to build it from (see buildMap()).
  * \exception std::runtime_error "<path>: <reason>". */
-std::shared_ptr<const CProbOctoMap> loadMap(const std::string& path, const BuildParams& params = {});
+std::shared_ptr<const CProbOctoMap> loadMap(const std::string& path,
+                                            const BuildParams& params = {});
 
-/** Saves a map so that all of the file is written or nothing: `.ot` and `.bt` by extension (for maps
- * that asProbOctoMap() knows), else as an MRPT-serialized object, gz-compressed if it ends in `.gz`.
- * \exception std::runtime_error "<path>: <reason>". */
+/** Saves a map so that all of the file is written or nothing: `.ot` and `.bt` by extension (for
+ * maps that asProbOctoMap() knows), else as an MRPT-serialized object, gz-compressed if it ends in
+ * `.gz`. \exception std::runtime_error "<path>: <reason>". */
 void saveMap(const CMetricMap& map, const std::string& path);
 
 }  // namespace mrpt::maps
