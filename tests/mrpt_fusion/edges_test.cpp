@@ -43,7 +43,7 @@ TEST(Normals, AreTheLeastPrincipalComponentOfTheNeighbours) {
   EdgeParams params;
   params.normal_radius = 0.27;  // no distance of the grid is as long: no neighbour is on the rim
   params.max_surface_variation = 0.15;
-  const auto normals = computeNormals(v, params);
+  const auto normals = computeSurfaces(v, params).normal;
   ASSERT_EQ(normals.size(), v.size());
 
   size_t with_normal = 0, without = 0;
@@ -76,15 +76,49 @@ TEST(Normals, OfFewerThanThreeVoxelsOrOfALineAreZero) {
                                          {{0, 0, 0}, {1, 0, 0}},
                                          {{0, 0, 0}, {0, 1, 0}, {0, 2, 0}},
                                          {{0, 0, 0}, {1, 1, 1}, {-1, -1, -1}}})
-    for (const auto& normal : computeNormals(voxelsAt(cells, kResolution), EdgeParams()))
+    for (const auto& normal : computeSurfaces(voxelsAt(cells, kResolution), EdgeParams()).normal)
       EXPECT_TRUE(normal.isZero());
 }
 
 TEST(Normals, LeastRadiusInVoxelsServesCoarseMaps) {
   // At half a metre, 0.25 m hold no neighbour; 2.5 voxels do.
   const OccupiedVoxels wall = voxelsAt({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, 0.5);
-  for (const auto& normal : computeNormals(wall, EdgeParams()))
+  for (const auto& normal : computeSurfaces(wall, EdgeParams()).normal)
     EXPECT_NEAR(std::abs(normal.z()), 1, 1e-6);
+}
+
+TEST(SurfacePoints, LieNearerToAClimbingPlaneThanTheVoxelsDo) {
+  // A plane that climbs across the grid, voxels wherever it passes below a centre.
+  const Eigen::Vector3d normal = Eigen::Vector3d(-0.3, 0.17, 1).normalized();
+  std::vector<Cell> cells;
+  for (int x = -15; x <= 15; x++)
+    for (int y = -15; y <= 15; y++)
+      cells.push_back({x, y, static_cast<int>(std::floor(0.3 * x - 0.17 * y))});
+  const OccupiedVoxels v = voxelsAt(cells, kResolution);
+  const Surfaces surfaces = computeSurfaces(v, EdgeParams());
+
+  // The plane itself is where the voxels are on the whole.
+  const auto spreadOf = [&](const std::vector<Eigen::Vector3f>& points) {
+    double sum = 0, squares = 0, n = 0;
+    for (size_t i = 0; i < points.size(); i++) {
+      if (v.centre[i].head<2>().cwiseAbs().maxCoeff() > 1.2F) continue;  // the rim sees one side
+      const double height = normal.dot(points[i].cast<double>());
+      sum += height;
+      squares += height * height;
+      n++;
+    }
+    return std::sqrt(squares / n - sum * sum / (n * n));
+  };
+  EXPECT_LT(spreadOf(surfaces.point), 0.4 * spreadOf(v.centre));
+  for (size_t i = 0; i < v.size(); i++) {
+    const Eigen::Vector3f moved = surfaces.point[i] - v.centre[i];
+    EXPECT_LT(moved.cross(surfaces.normal[i]).norm(), 1e-6) << i;  // along the normal only
+  }
+}
+
+TEST(SurfacePoints, WithoutANormalAreTheCentres) {
+  const OccupiedVoxels line = voxelsAt({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, kResolution);
+  EXPECT_EQ(computeSurfaces(line, EdgeParams()).point, line.centre);
 }
 
 // ---------------------------------------------------------------- eq. (5)

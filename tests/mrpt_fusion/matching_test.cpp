@@ -8,6 +8,9 @@
 #include <mrpt/slam/CProbabilisticMapMatching.h>  // toEigen()
 
 #include <Eigen/Eigenvalues>
+#include <array>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "apartment_pair.h"
@@ -73,6 +76,39 @@ TEST_F(Matching, WithoutSearchIsThatOfTheTwoLevels) {
   no_search.search.translation = 0;
   expectIdentical(matchMaps(maps().a, maps().b, guess, no_search),
                   matchTwoLevel(maps().a, maps().b, guess, params));
+}
+
+TEST_F(Matching, ThinnedOutMapsHaveOneVoxelOfEachCube) {
+  const MapFeatures& all = fineMaps().a;
+  const MapFeatures few = thinOut(all, 0.4);
+  using Cube = std::array<int, 3>;
+  const auto cubeOf = [](const octomap::OcTreeKey& k) {
+    return Cube{k[0] / 4, k[1] / 4, k[2] / 4};
+  };
+  std::map<Cube, size_t> best;  // by hand: in each cube the most probable, one with a normal first
+  for (size_t i = 0; i < all.voxels.size(); i++) {
+    const auto rank = [&](size_t j) {
+      return std::pair(!all.surfaces.normal[j].isZero(), all.voxels.probability[j]);
+    };
+    const auto [it, is_first] = best.try_emplace(cubeOf(all.voxels.key[i]), i);
+    if (!is_first && rank(i) > rank(it->second)) it->second = i;
+  }
+  ASSERT_EQ(few.voxels.size(), best.size());
+  for (size_t i = 0; i < few.voxels.size(); i++) {
+    const size_t j = best.at(cubeOf(few.voxels.key[i]));
+    EXPECT_EQ(few.voxels.key[i], all.voxels.key[j]);
+    EXPECT_EQ(few.voxels.centre[i], all.voxels.centre[j]);
+    EXPECT_EQ(few.voxels.probability[i], all.voxels.probability[j]);
+    EXPECT_EQ(few.surfaces.normal[i], all.surfaces.normal[j]);
+    EXPECT_EQ(few.surfaces.point[i], all.surfaces.point[j]);
+  }
+  EXPECT_EQ(thinOut(all, 0.1).voxels.size(), all.voxels.size());
+}
+
+TEST_F(Matching, RecordsThePoseThatEachIterationReached) {
+  const MatchResult r = matchTwoLevel(maps().a, maps().b, guess, params);
+  ASSERT_FALSE(r.iterations.empty());
+  EXPECT_EQ(r.iterations.back().T_a_b.matrix(), r.T_a_b.matrix());
 }
 
 TEST_F(Matching, AgreementIsHighestAtTheTruth) {

@@ -57,7 +57,8 @@ class Optimization : public testing::Test {
     return linearizeVoxels(model, scene, pairs, T);
   }
   NormalEquations surfacesAt(const Eigen::Isometry3d& T, double flatness = 0.05) const {
-    return linearizeSurfaces(model, model_normals, scene, scene_normals, pairs, T, flatness);
+    return linearizeSurfaces(model, {model_normals, model.centre}, scene,
+                             {scene_normals, scene.centre}, pairs, T, flatness);
   }
   NormalEquations edgesAt(const Eigen::Isometry3d& T,
                           VoxelCovariance kind = VoxelCovariance::Quantisation) const {
@@ -189,7 +190,8 @@ TEST_F(Optimization, SurfaceGradientIsThatOfTheErrorWithItsWeightsHeld) {
   const NormalEquations n = surfacesAt(T);
   const ErrorAt held = withWeightsHeldAt(
       T, pairs, model.centre, scene.centre, [&](const Pairs& p, const Eigen::Isometry3d& at) {
-        return linearizeSurfaces(model, model_normals, scene, scene_normals, p, at, 0.05);
+        return linearizeSurfaces(model, {model_normals, model.centre}, scene,
+                                 {scene_normals, scene.centre}, p, at, 0.05);
       });
   ASSERT_NEAR(held(T), n.error, 1e-9 * n.error);
   EXPECT_TRUE((-2 * n.g).isApprox(numericGradient(held, T, n.centre), 1e-6));

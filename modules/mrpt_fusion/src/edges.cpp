@@ -34,9 +34,11 @@ struct Neighbourhood {
   }
 };
 
-std::vector<Eigen::Vector3f> normalsOf(const Neighbourhood& around, const EdgeParams& params) {
-  std::vector<Eigen::Vector3f> normals(around.voxels.size());
-  forEachIndex(normals.size(), kGrain, [&](size_t i) {
+Surfaces surfacesOf(const Neighbourhood& around, const EdgeParams& params) {
+  Surfaces surfaces;
+  surfaces.normal.assign(around.voxels.size(), Eigen::Vector3f::Zero());
+  surfaces.point = around.voxels.centre;
+  forEachIndex(around.voxels.size(), kGrain, [&](size_t i) {
     // On the integer grid, so that the sums are exact.
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
@@ -47,16 +49,19 @@ std::vector<Eigen::Vector3f> normalsOf(const Neighbourhood& around, const EdgePa
       squares += d * d.transpose();
       n++;
     });
-    const Eigen::Matrix3d cov = squares / n - (sum / n) * (sum / n).transpose();
+    const Eigen::Vector3d mean = sum / n;
+    const Eigen::Matrix3d cov = squares / n - mean * mean.transpose();
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> pca;
     pca.computeDirect(cov);
     const auto& spread = pca.eigenvalues();
     const bool has_plane =
         spread[1] > 1e-6 && spread[0] <= params.max_surface_variation * spread.sum();
-    normals[i] = has_plane ? Eigen::Vector3f(pca.eigenvectors().col(0).cast<float>())
-                           : Eigen::Vector3f(Eigen::Vector3f::Zero());
+    if (!has_plane) return;
+    const Eigen::Vector3d normal = pca.eigenvectors().col(0);
+    surfaces.normal[i] = normal.cast<float>();
+    surfaces.point[i] += (around.voxels.resolution * normal.dot(mean) * normal).cast<float>();
   });
-  return normals;
+  return surfaces;
 }
 
 std::vector<float> angleCostsOf(const Neighbourhood& around,
@@ -224,10 +229,9 @@ Neighbourhood neighbourhood(const OccupiedVoxels& voxels, const VoxelIndex& inde
 
 }  // namespace
 
-std::vector<Eigen::Vector3f> computeNormals(const OccupiedVoxels& voxels,
-                                            const EdgeParams& params) {
+Surfaces computeSurfaces(const OccupiedVoxels& voxels, const EdgeParams& params) {
   const VoxelIndex index(voxels.key);
-  return normalsOf(
+  return surfacesOf(
       neighbourhood(voxels, index, params.normal_radius, params.min_normal_radius_voxels), params);
 }
 
@@ -240,7 +244,7 @@ std::vector<float> computeAngleCosts(const OccupiedVoxels& voxels,
 }
 
 EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const EdgeParams& params) {
-  return extractEdges(voxels, computeNormals(voxels, params), params);
+  return extractEdges(voxels, computeSurfaces(voxels, params).normal, params);
 }
 
 EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const std::vector<Eigen::Vector3f>& normals,

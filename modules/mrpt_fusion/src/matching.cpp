@@ -3,6 +3,7 @@
 #include <mrpt/fusion/matching.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace mrpt::fusion {
 namespace {
@@ -39,8 +40,12 @@ Pairs runLevel(const LevelProblem& problem, const LevelParams& level, double lea
     const Eigen::Isometry3d step = T * result.T_a_b.inverse();
     // The step at the scene's own place: a rotation about a far origin is not a translation.
     const Eigen::Vector3d place = result.T_a_b.translation();
-    const IterationRecord record{problem.level, pairs.size(), mse, (step * place - place).norm(),
-                                 Eigen::AngleAxisd(step.linear()).angle()};
+    const IterationRecord record{problem.level,
+                                 pairs.size(),
+                                 mse,
+                                 (step * place - place).norm(),
+                                 Eigen::AngleAxisd(step.linear()).angle(),
+                                 T};
     result.T_a_b = T;
     result.iterations.push_back(record);
     if (on_iteration) on_iteration(record);
@@ -91,7 +96,7 @@ void matchVoxels(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& a
   level.linearize = [&](const Pairs& pairs, const auto& T) {
     return params.voxel_metric == VoxelMetric::Point
                ? linearizeVoxels(a.voxels, b.voxels, pairs, T)
-               : linearizeSurfaces(a.voxels, a.normals, b.voxels, b.normals, pairs, T,
+               : linearizeSurfaces(a.voxels, a.surfaces, b.voxels, b.surfaces, pairs, T,
                                    params.flatness);
   };
   const double two_voxels = 2 * std::max(a.voxels.resolution, b.voxels.resolution);
@@ -115,8 +120,8 @@ MapFeatures computeFeatures(const octomap::OcTree& map, const EdgeParams& params
   MapFeatures f;
   f.map = &map;
   f.voxels = extractOccupiedVoxels(map);
-  f.normals = computeNormals(f.voxels, params);
-  f.edges = extractEdges(f.voxels, f.normals, params);
+  f.surfaces = computeSurfaces(f.voxels, params);
+  f.edges = extractEdges(f.voxels, f.surfaces.normal, params);
   return f;
 }
 
@@ -132,22 +137,66 @@ MatchResult matchTwoLevel(const MapFeatures& a, const MapFeatures& b,
   return result;
 }
 
+MapFeatures thinOut(const MapFeatures& features, double spacing) {
+  const OccupiedVoxels& all = features.voxels;
+  unsigned shift = 0;
+  while (all.resolution * (1U << shift) < spacing * (1 - 1e-9) && shift < 15) shift++;
+  const auto sameCube = [&](size_t i, size_t j) {
+    for (unsigned axis = 0; axis < 3; axis++)
+      if (all.key[i][axis] >> shift != all.key[j][axis] >> shift) return false;
+    return true;
+  };
+  const auto isBetter = [&](size_t i, size_t j) {
+    const bool flat_i = !features.surfaces.normal[i].isZero();
+    const bool flat_j = !features.surfaces.normal[j].isZero();
+    return flat_i != flat_j ? flat_i : all.probability[i] > all.probability[j];
+  };
+
+  MapFeatures few;
+  few.map = features.map;
+  few.edges = features.edges;
+  few.voxels.resolution = all.resolution;
+  for (size_t i = 0, next; i < all.size(); i = next) {
+    size_t best = i;  // in the order of the octree's leaves a cube's voxels follow each other
+    for (next = i + 1; next < all.size() && sameCube(i, next); next++)
+      if (isBetter(next, best)) best = next;
+    few.voxels.centre.push_back(all.centre[best]);
+    few.voxels.probability.push_back(all.probability[best]);
+    few.voxels.key.push_back(all.key[best]);
+    few.surfaces.normal.push_back(features.surfaces.normal[best]);
+    few.surfaces.point.push_back(features.surfaces.point[best]);
+  }
+  return few;
+}
+
 MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
                       const MatchParams& params, const OnIteration& on_iteration) {
-  MatchResult best = matchTwoLevel(a, b, T_a_b, params, on_iteration);
-  if (isEmpty(a, b)) return best;
-  double best_agreement = agreement(a, b, best.T_a_b);
+  if (isEmpty(a, b) || params.search.translation <= 0)
+    return matchTwoLevel(a, b, T_a_b, params, on_iteration);
+
+  MatchResult from_edges;
+  from_edges.T_a_b = T_a_b;
+  matchEdges(a, b, params, from_edges, on_iteration);
+  std::vector<Eigen::Isometry3d> starts = {from_edges.T_a_b};
+  for (const Hypothesis& h : searchAround(*a.map, b.voxels, T_a_b, params.search))
+    starts.push_back(h.T_a_b);
+
+  const MapFeatures few_a = thinOut(a, params.search.cell), few_b = thinOut(b, params.search.cell);
   VoxelAssociation association(a.voxels);
-  for (const Hypothesis& h : searchAround(*a.map, b.voxels, T_a_b, params.search)) {
-    MatchResult result;
-    result.T_a_b = h.T_a_b;
-    matchVoxels(a, b, association, params, result, on_iteration);
-    const double reached = agreement(a, b, result.T_a_b);
+  MatchResult result;
+  double best_agreement = -std::numeric_limits<double>::infinity();
+  for (const Eigen::Isometry3d& start : starts) {
+    MatchResult refined;
+    refined.T_a_b = start;
+    matchVoxels(a, few_b, association, params, refined, {});
+    const double reached = agreement(few_a, few_b, refined.T_a_b);
     if (reached <= best_agreement) continue;
     best_agreement = reached;
-    best = std::move(result);
+    result.T_a_b = refined.T_a_b;
   }
-  return best;
+  result.iterations = from_edges.iterations;
+  matchVoxels(a, b, association, params, result, on_iteration);
+  return result;
 }
 
 double agreement(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b) {

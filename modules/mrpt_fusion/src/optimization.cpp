@@ -17,15 +17,15 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
 
 /** Adds up the terms of pairs; \a term gives e = m - T s and W of one.
  * Moving by xi takes e to e - J xi with J = [I, -[r]x] at r = T s - c. */
-template <class Scene, class Term>
-NormalEquations sumOf(const Scene& scene, const Pairs& pairs, const Eigen::Isometry3d& T,
-                      Term&& term) {
+template <class Term>
+NormalEquations sumOf(const std::vector<Eigen::Vector3f>& scene, const Pairs& pairs,
+                      const Eigen::Isometry3d& T, Term&& term) {
   NormalEquations n;
   if (pairs.empty()) return n;
-  for (const Pair& p : pairs) n.centre += scene.centre[p.scene].template cast<double>();
+  for (const Pair& p : pairs) n.centre += scene[p.scene].cast<double>();
   n.centre = T * (n.centre / static_cast<double>(pairs.size()));
   for (const Pair& p : pairs) {
-    const Eigen::Vector3d q = T * scene.centre[p.scene].template cast<double>();
+    const Eigen::Vector3d q = T * scene[p.scene].cast<double>();
     const auto [e, W] = term(p, q);
     const Eigen::Matrix3d r_cross = skew(q - n.centre);
     const Eigen::Matrix3d Wr = W * r_cross;
@@ -60,7 +60,7 @@ NormalEquations linearizeEdges(const EdgeVoxels& model, const EdgeVoxels& scene,
                            edges.covariance[i].matrix(within_voxel));
   };
   const Eigen::Matrix3d R = T_a_b.linear();
-  return sumOf(scene, pairs, T_a_b, [&](const Pair& p, const Eigen::Vector3d& q) -> Term {
+  return sumOf(scene.centre, pairs, T_a_b, [&](const Pair& p, const Eigen::Vector3d& q) -> Term {
     return {model.centre[p.model].cast<double>() - q,
             (fused(model, p.model) + R * fused(scene, p.scene) * R.transpose()).inverse()};
   });
@@ -68,27 +68,26 @@ NormalEquations linearizeEdges(const EdgeVoxels& model, const EdgeVoxels& scene,
 
 NormalEquations linearizeVoxels(const OccupiedVoxels& model, const OccupiedVoxels& scene,
                                 const Pairs& pairs, const Eigen::Isometry3d& T_a_b) {
-  return sumOf(scene, pairs, T_a_b, [&](const Pair& p, const Eigen::Vector3d& q) -> Term {
+  return sumOf(scene.centre, pairs, T_a_b, [&](const Pair& p, const Eigen::Vector3d& q) -> Term {
     return {model.centre[p.model].cast<double>() - q,
             occupancyFactor(model, scene, p) * Eigen::Matrix3d::Identity()};
   });
 }
 
-NormalEquations linearizeSurfaces(const OccupiedVoxels& model,
-                                  const std::vector<Eigen::Vector3f>& model_normal,
-                                  const OccupiedVoxels& scene,
-                                  const std::vector<Eigen::Vector3f>& scene_normal,
+NormalEquations linearizeSurfaces(const OccupiedVoxels& model, const Surfaces& model_surface,
+                                  const OccupiedVoxels& scene, const Surfaces& scene_surface,
                                   const Pairs& pairs, const Eigen::Isometry3d& T_a_b,
                                   double flatness) {
   const Eigen::Matrix3d R = T_a_b.linear();
-  return sumOf(scene, pairs, T_a_b, [&](const Pair& p, const Eigen::Vector3d& q) -> Term {
-    const Eigen::Vector3d n_m = model_normal[p.model].cast<double>();
-    const Eigen::Vector3d n_s = R * scene_normal[p.scene].cast<double>();
-    const Eigen::Matrix3d C = 2 * Eigen::Matrix3d::Identity() -
-                              (1 - flatness) * (n_m * n_m.transpose() + n_s * n_s.transpose());
-    return {model.centre[p.model].cast<double>() - q,
-            occupancyFactor(model, scene, p) * C.inverse()};
-  });
+  return sumOf(
+      scene_surface.point, pairs, T_a_b, [&](const Pair& p, const Eigen::Vector3d& q) -> Term {
+        const Eigen::Vector3d n_m = model_surface.normal[p.model].cast<double>();
+        const Eigen::Vector3d n_s = R * scene_surface.normal[p.scene].cast<double>();
+        const Eigen::Matrix3d C = 2 * Eigen::Matrix3d::Identity() -
+                                  (1 - flatness) * (n_m * n_m.transpose() + n_s * n_s.transpose());
+        return {model_surface.point[p.model].cast<double>() - q,
+                occupancyFactor(model, scene, p) * C.inverse()};
+      });
 }
 
 Eigen::Isometry3d expSE3(const Vector6d& xi) {

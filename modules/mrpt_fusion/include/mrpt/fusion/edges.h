@@ -41,10 +41,18 @@ struct EdgeVoxels {
   size_t size() const { return centre.size(); }
 };
 
-/** Lines 2-6: the unit normal of each voxel, of arbitrary sign: the least principal component of
- * the occupied voxels within r_N. Fewer than three of them, or all on a line: a zero vector.
- * O(voxels * neighbours). */
-std::vector<Eigen::Vector3f> computeNormals(const OccupiedVoxels& voxels, const EdgeParams& params);
+/** The pieces of surface that a map's voxels are, one per voxel. */
+struct Surfaces {
+  /** Unit normal, of arbitrary sign: the least principal component of the occupied voxels within
+   * r_N. Fewer than three of them, all on a line, or no plane among them: a zero vector. */
+  std::vector<Eigen::Vector3f> normal;
+  /** The voxel's centre moved along its normal onto the plane through those voxels (not in the
+   * paper): where the surface is within the voxel, m. The centre itself if there is no normal. */
+  std::vector<Eigen::Vector3f> point;
+};
+
+/** Lines 2-6. O(voxels * neighbours). */
+Surfaces computeSurfaces(const OccupiedVoxels& voxels, const EdgeParams& params);
 
 /** Eq. (5) for each voxel: the mean |n_j x n_i| over its neighbours, in [0,1]. */
 std::vector<float> computeAngleCosts(const OccupiedVoxels& voxels,
@@ -53,7 +61,7 @@ std::vector<float> computeAngleCosts(const OccupiedVoxels& voxels,
 
 /** All of Algorithm 1, and eq. (6) for what it finds.
  * Deterministic, whatever the number of threads.
- * \param[in] normals As computeNormals() gives them, one per voxel. */
+ * \param[in] normals As computeSurfaces() gives them, one per voxel. */
 EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const std::vector<Eigen::Vector3f>& normals,
                         const EdgeParams& params);
 /** \overload that computes the normals. */

@@ -19,7 +19,7 @@ namespace mrpt::fusion {
 struct MapFeatures {
   const octomap::OcTree* map = nullptr;  ///< not owned, must outlive the features
   OccupiedVoxels voxels;
-  std::vector<Eigen::Vector3f> normals;  ///< of the voxels, see computeNormals()
+  Surfaces surfaces;  ///< of the voxels
   EdgeVoxels edges;
 };
 MapFeatures computeFeatures(const octomap::OcTree& map, const EdgeParams& params);
@@ -61,6 +61,7 @@ struct IterationRecord {
   double mse;               ///< of the association's pairs, m^2
   double step_translation;  ///< m
   double step_rotation;     ///< rad
+  Eigen::Isometry3d T_a_b;  ///< the pose it reached
 };
 
 struct MatchResult {
@@ -90,10 +91,15 @@ MatchResult matchTwoLevel(const MapFeatures& a, const MapFeatures& b,
                           const Eigen::Isometry3d& T_a_b, const MatchParams& params,
                           const OnIteration& on_iteration = {});
 
-/** As matchTwoLevel(), but from several starts (not in the paper): beside the guess itself, the
- * best poses that searchAround() finds near it, each carried to the voxel level; the result is the
- * one where the maps agree best, see agreement(). Without a search (params.search.translation = 0)
- * it is matchTwoLevel(). */
+/** Some of a map's voxels, spread evenly: in each cube of the octree that is at least \a spacing
+ * (m) wide the one most likely occupied of those with a normal, if any. Edges and map are the same.
+ * O(voxels). */
+MapFeatures thinOut(const MapFeatures& features, double spacing);
+
+/** As matchTwoLevel(), but from several starts (not in the paper): the guess carried through the
+ * edge level, and the best poses that searchAround() finds near it. Each is refined on a few of B's
+ * voxels; the one where the maps then agree best, see agreement(), goes through the voxel level.
+ * Without a search (params.search.translation = 0) it is matchTwoLevel(). */
 MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
                       const MatchParams& params, const OnIteration& on_iteration = {});
 
