@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Installs the Debian 12 packages that building, testing and the demo need. Does nothing, and needs
-# no rights, when they are all there.
+# install_dependencies.sh [--benchmark]: installs the Debian 12 packages that building, testing and the
+# demo need, and with --benchmark those of the benchmark too. Does nothing, and needs no rights, when
+# they are all there.
 set -euo pipefail
 
 packages=(
@@ -13,6 +14,9 @@ packages=(
   libgtest-dev
   mrpt-apps mrpt-common             # tests: rawlog-edit, observations2map, sample data
 )
+if [ "${1:-}" = --benchmark ]; then
+  packages+=(libpcl-dev pkg-config python3 python3-matplotlib python3-numpy)
+fi
 
 missing=()
 for p in "${packages[@]}"; do

@@ -104,6 +104,8 @@ RobotPlan readPlan(const Section& section, const std::string& name) {
   plan.waypoints = section.points("waypoints");
   plan.floorZ = section.number("floor_z", -std::numeric_limits<double>::infinity());
   plan.scanSpacing = section.number("scan_spacing", 0.01);
+  plan.speed = section.number("speed", 0.01);
+  plan.startTime = section.number("start_time", 0);
   plan.radius = section.number("radius", 0);
   plan.groundClearance = section.number("ground_clearance", 0);
   plan.sensorPose = section.pose("sensor_pose");
@@ -137,7 +139,7 @@ Mission loadMission(const std::string& path) {
   return mission;
 }
 
-std::vector<Recording> runMission(const VoxelGrid& world, const Mission& mission) {
+std::vector<Recording> runMission(const World& world, const Mission& mission) {
   std::vector<Recording> recordings;
   for (const RobotPlan& plan : mission.robots)
     recordings.push_back(simulateRobot(world, mission.lidar, mission.noise, plan,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "robot_simulator.h"
+#include "world.h"
 
 namespace mrpt::fusion::sim {
 
@@ -23,6 +24,6 @@ struct Mission {
 Mission loadMission(const std::string& path);
 
 /** Runs all robots of the mission, in its order. */
-std::vector<Recording> runMission(const VoxelGrid& world, const Mission& mission);
+std::vector<Recording> runMission(const World& world, const Mission& mission);
 
 }  // namespace mrpt::fusion::sim

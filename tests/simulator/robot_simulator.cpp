@@ -118,6 +118,51 @@ std::vector<Eigen::Vector3d> beamDirections(const Lidar& lidar) {
   return beams;
 }
 
+/** Points of the robot's body, relative to the robot on the floor [m]. */
+std::vector<Eigen::Vector3d> sampleBody(const RobotPlan& plan, double step) {
+  std::vector<Eigen::Vector3d> body;
+  for (const double x : spaced(-plan.radius, plan.radius, step))
+    for (const double y : spaced(-plan.radius, plan.radius, step))
+      for (const double z : spaced(plan.groundClearance, plan.sensorPose.z(), step))
+        if (std::hypot(x, y) <= plan.radius) body.emplace_back(x, y, z);
+  return body;
+}
+
+/** Where the body [m] of a robot at `p` [m] hits something, if it does. */
+std::optional<Eigen::Vector3d> collision(const World& world, const std::vector<Capsule>& people,
+                                         const RobotPlan& plan,
+                                         const std::vector<Eigen::Vector3d>& body,
+                                         const Eigen::Vector2d& p) {
+  const Eigen::Vector3d robot(p.x(), p.y(), plan.floorZ);
+  for (const Capsule& person : people)
+    if ((person.foot - robot).head<2>().norm() < person.radius + plan.radius) return person.foot;
+  for (const Eigen::Vector3d& part : body) {
+    const Eigen::Vector3d at = robot + part;
+    if (world.solid.isOccupied(at) || (world.glass && world.glass->isOccupied(at))) return at;
+  }
+  return std::nullopt;
+}
+
+/** Whether glass returns the next beam. A world without glass draws no luck for it. */
+bool drawGlassReturn(const World& world, CRandomGenerator& random) {
+  return world.glass && random.drawUniform(0.0, 1.0) < world.glassReturn;
+}
+
+/** Rigid transform that brings `scene` to `model` [m] in the least-squares sense (Umeyama). */
+CPose3D align(const std::vector<Eigen::Vector3d>& model,
+              const std::vector<Eigen::Vector3d>& scene) {
+  using Points = Eigen::Map<const Eigen::Matrix3Xd>;
+  const Eigen::Matrix4d T_model_scene =
+      Eigen::umeyama(Points(scene.front().data(), 3, scene.size()),
+                     Points(model.front().data(), 3, model.size()), false);
+  return CPose3D(mrpt::math::CMatrixDouble44(T_model_scene));
+}
+
+Eigen::Vector3d centreOf(const octomap::OcTreeKey& key, const octomap::OcTree& cells) {
+  const octomap::point3d centre = cells.keyToCoord(key);
+  return {centre.x(), centre.y(), centre.z()};
+}
+
 /** Sum of the placements of one cell's centre in a robot's map [m], and their number. */
 struct Placement {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -135,44 +180,79 @@ Placements placeCells(const Recording& recording, const octomap::OcTree& cells) 
         toEigen(scan.estimatedPose.mean) * toEigen(scan.truePose).inverse();
     for (const auto& hit : scan.hits) {
       const octomap::OcTreeKey key = cells.coordToKey(hit.x, hit.y, hit.z);
-      const octomap::point3d centre = cells.keyToCoord(key);
       Placement& placement = placements[key];
-      placement.sum += T_map_w * Eigen::Vector3d(centre.x(), centre.y(), centre.z());
+      placement.sum += T_map_w * centreOf(key, cells);
       ++placement.count;
     }
   }
   return placements;
 }
 
+/** A rawlog that recordings are written to, one after the other. */
+class RawlogWriter {
+ public:
+  explicit RawlogWriter(const std::string& path) {
+    if (!file_.open(path)) throw std::runtime_error(path + ": cannot be written");
+  }
+
+  void write(const Recording& recording) {
+    auto archive = mrpt::serialization::archiveFrom(file_);
+    for (const Scan& scan : recording.scans) {
+      archive << poseOf(scan) << cloudOf(scan, recording.sensorPose);
+      time_ += std::chrono::milliseconds(100);
+    }
+  }
+
+ private:
+  mrpt::obs::CObservationRobotPose poseOf(const Scan& scan) const {
+    mrpt::obs::CObservationRobotPose pose;
+    pose.sensorLabel = "slam_pose";
+    pose.timestamp = time_;
+    pose.pose = scan.estimatedPose;
+    return pose;
+  }
+
+  mrpt::obs::CObservationPointCloud cloudOf(const Scan& scan, const CPose3D& sensorPose) const {
+    mrpt::obs::CObservationPointCloud cloud;
+    cloud.sensorLabel = "lidar";
+    cloud.timestamp = time_;
+    cloud.sensorPose = sensorPose;
+    auto points = mrpt::maps::CSimplePointsMap::Create();
+    points->reserve(scan.points.size());
+    for (const auto& p : scan.points) points->insertPointFast(p.x, p.y, p.z);
+    cloud.pointcloud = points;
+    return cloud;
+  }
+
+  mrpt::io::CFileGZOutputStream file_;
+  mrpt::Clock::time_point time_ = mrpt::Clock::fromDouble(1.7e9);
+};
+
 }  // namespace
 
-void checkPathIsFree(const VoxelGrid& world, const RobotPlan& plan) {
+void checkPathIsFree(const World& world, const RobotPlan& plan) {
   if (plan.waypoints.size() < 2) throw std::runtime_error(plan.name + ": less than two waypoints");
 
-  const double step = world.voxelSize() / 2;  // so that no voxel slips through between two samples
-  std::vector<Eigen::Vector3d> body;          // relative to the robot on the floor [m]
-  for (const double x : spaced(-plan.radius, plan.radius, step))
-    for (const double y : spaced(-plan.radius, plan.radius, step))
-      for (const double z : spaced(plan.groundClearance, plan.sensorPose.z(), step))
-        if (std::hypot(x, y) <= plan.radius) body.emplace_back(x, y, z);
-
+  // So that no voxel slips through between two samples.
+  const double step = world.solid.voxelSize() / 2;
+  const std::vector<Eigen::Vector3d> body = sampleBody(plan, step);
+  double time = plan.startTime;
   for (size_t i = 0; i + 1 < plan.waypoints.size(); ++i) {
     const Leg leg(plan, i);
     for (const double share : spaced(0, 1, step / leg.length)) {
-      const Eigen::Vector2d p = leg.at(share);
-      for (const Eigen::Vector3d& part : body) {
-        const Eigen::Vector3d at = Eigen::Vector3d(p.x(), p.y(), plan.floorZ) + part;
-        if (!world.isOccupied(at)) continue;
-        std::ostringstream message;
-        message << plan.name << ": the way from waypoint " << i + 1 << " to " << i + 2
-                << " is blocked at (" << at.x() << ", " << at.y() << ", " << at.z() << ") m";
-        throw std::runtime_error(message.str());
-      }
+      const auto people = peopleAt(world, time + share * leg.length / plan.speed);
+      const auto at = collision(world, people, plan, body, leg.at(share));
+      if (!at) continue;
+      std::ostringstream message;
+      message << plan.name << ": the way from waypoint " << i + 1 << " to " << i + 2
+              << " is blocked at (" << at->x() << ", " << at->y() << ", " << at->z() << ") m";
+      throw std::runtime_error(message.str());
     }
+    time += leg.length / plan.speed;
   }
 }
 
-Recording simulateRobot(const VoxelGrid& world, const Lidar& lidar, const PoseNoise& noise,
+Recording simulateRobot(const World& world, const Lidar& lidar, const PoseNoise& noise,
                         const RobotPlan& plan, uint32_t seed) {
   checkPathIsFree(world, plan);
 
@@ -182,13 +262,17 @@ Recording simulateRobot(const VoxelGrid& world, const Lidar& lidar, const PoseNo
   const std::vector<Eigen::Vector3d> beams = beamDirections(lidar);
 
   Recording recording{plan.sensorPose, {}};
+  double time = plan.startTime;
   for (size_t i = 0; i < truth.size(); ++i) {
+    if (i > 0) time += truth[i].distanceTo(truth[i - 1]) / plan.speed;
+    const std::vector<Capsule> people = peopleAt(world, time);
     Scan scan{truth[i], estimates[i], {}, {}};
     const Eigen::Isometry3d T_w_sensor = toEigen(truth[i] + plan.sensorPose);
     const Eigen::Vector3d origin = T_w_sensor.translation();
     for (const Eigen::Vector3d& beam : beams) {
       const Eigen::Vector3d direction = T_w_sensor.linear() * beam;
-      const auto range = world.castRay(origin, direction, lidar.maxRange);
+      const auto range =
+          castRay(world, people, origin, direction, lidar.maxRange, drawGlassReturn(world, random));
       if (!range) continue;
       const Eigen::Vector3d hit = origin + *range * direction;
       const Eigen::Vector3d point = random.drawGaussian1D(*range, lidar.rangeSigma) * beam;
@@ -211,39 +295,35 @@ CPose3D relativePoseTruth(const Recording& a, const Recording& b, double cellSiz
       scene.push_back(twin->second.mean());
     }
   if (model.size() < 3) throw std::runtime_error("the robots have seen no common part");
+  return align(model, scene);
+}
 
-  using Points = Eigen::Map<const Eigen::Matrix3Xd>;
-  const Eigen::Matrix4d T_a_b =
-      Eigen::umeyama(Points(scene.front().data(), 3, scene.size()),
-                     Points(model.front().data(), 3, model.size()), false);
-  return CPose3D(mrpt::math::CMatrixDouble44(T_a_b));
+CPose3D worldPoseTruth(const Recording& recording, double cellSize) {
+  const octomap::OcTree cells(cellSize);  // only its arithmetic of keys
+  std::vector<Eigen::Vector3d> model, scene;
+  for (const auto& [key, placement] : placeCells(recording, cells)) {
+    model.push_back(placement.mean());
+    scene.push_back(centreOf(key, cells));
+  }
+  if (model.size() < 3) throw std::runtime_error("the robot has seen nothing");
+  return align(model, scene);
+}
+
+std::vector<Recording> withoutPoseErrors(std::vector<Recording> recordings, double cellSize) {
+  const CPose3D T_a_w = worldPoseTruth(recordings.front(), cellSize);
+  for (Recording& recording : recordings)
+    for (Scan& scan : recording.scans)
+      scan.estimatedPose = CPose3DPDFGaussian(T_a_w + scan.truePose);
+  return recordings;
 }
 
 void writeRawlog(const Recording& recording, const std::string& path) {
-  mrpt::io::CFileGZOutputStream file;
-  if (!file.open(path)) throw std::runtime_error(path + ": cannot be written");
-  auto archive = mrpt::serialization::archiveFrom(file);
+  RawlogWriter(path).write(recording);
+}
 
-  auto time = mrpt::Clock::fromDouble(1.7e9);
-  for (const Scan& scan : recording.scans) {
-    mrpt::obs::CObservationRobotPose pose;
-    pose.sensorLabel = "slam_pose";
-    pose.timestamp = time;
-    pose.pose = scan.estimatedPose;
-    archive << pose;
-
-    mrpt::obs::CObservationPointCloud cloud;
-    cloud.sensorLabel = "lidar";
-    cloud.timestamp = time;
-    cloud.sensorPose = recording.sensorPose;
-    auto points = mrpt::maps::CSimplePointsMap::Create();
-    points->reserve(scan.points.size());
-    for (const auto& p : scan.points) points->insertPointFast(p.x, p.y, p.z);
-    cloud.pointcloud = points;
-    archive << cloud;
-
-    time += std::chrono::milliseconds(100);
-  }
+void writeRawlog(const std::vector<Recording>& recordings, const std::string& path) {
+  RawlogWriter writer(path);
+  for (const Recording& recording : recordings) writer.write(recording);
 }
 
 }  // namespace mrpt::fusion::sim

@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "voxel_grid.h"
+#include "world.h"
 
 namespace mrpt::fusion::sim {
 
@@ -50,6 +50,8 @@ struct RobotPlan {
   std::vector<Eigen::Vector2d> waypoints;  //!< Corners of its path, in the world [m].
   double floorZ = 0.0;                     //!< Height of the floor in the world [m].
   double scanSpacing = 0.5;                //!< Way between two scans, at most [m].
+  double speed = 0.5;                      //!< On all of its way [m/s]; a scan is an instant.
+  double startTime = 0.0;                  //!< When it sets off; people walk by this clock [s].
   double radius = 0.2;                     //!< The body is a cylinder of this radius [m]...
   double groundClearance = 0.2;            //!< ...from this above the floor up to the sensor [m].
   mrpt::poses::CPose3D sensorPose;         //!< Lidar in the robot's frame.
@@ -72,9 +74,9 @@ struct Recording {
 
 /** Makes sure that the robot can drive its path.
  * \exception std::runtime_error Names the first straight leg on which the body of the robot hits
- * an occupied voxel, and where; or says that there are no two waypoints.
+ * an occupied voxel, glass or a person, and where; or says that there are no two waypoints.
  */
-void checkPathIsFree(const VoxelGrid& world, const RobotPlan& plan);
+void checkPathIsFree(const World& world, const RobotPlan& plan);
 
 /** Drives one robot along its path and scans on the way.
  *
@@ -83,7 +85,7 @@ void checkPathIsFree(const VoxelGrid& world, const RobotPlan& plan);
  * first order. Cost: about a microsecond per beam indoors.
  * \exception std::runtime_error See checkPathIsFree().
  */
-Recording simulateRobot(const VoxelGrid& world, const Lidar& lidar, const PoseNoise& noise,
+Recording simulateRobot(const World& world, const Lidar& lidar, const PoseNoise& noise,
                         const RobotPlan& plan, uint32_t seed);
 
 /** Pose of b's map frame in a's: p_a = T_a_b p_b, as far as two drifted maps can have one.
@@ -103,11 +105,29 @@ Recording simulateRobot(const VoxelGrid& world, const Lidar& lidar, const PoseNo
 mrpt::poses::CPose3D relativePoseTruth(const Recording& a, const Recording& b,
                                        double cellSize = 0.1);
 
+/** Pose of the world in a robot's map frame: p_map = T_map_w p_w, as far as a drifted map has one.
+ *
+ * As relativePoseTruth(), with the cells' own centres in place of where robot b places them: this
+ * is where an undistorted map of the world fits the robot's map best.
+ * \exception std::runtime_error If the robot has seen fewer than three cells.
+ */
+mrpt::poses::CPose3D worldPoseTruth(const Recording& recording, double cellSize = 0.1);
+
+/** The same scans as if no robot had ever erred about its pose, all in the map frame of the first.
+ *
+ * The points stay as measured. The estimated poses become the true ones, moved by the first
+ * robot's worldPoseTruth() and without covariance. A map built of all these scans is the best that
+ * merging the robots' maps in the frame of the first could come to.
+ * \exception std::runtime_error If the first robot has seen fewer than three cells.
+ */
+std::vector<Recording> withoutPoseErrors(std::vector<Recording> recordings, double cellSize = 0.1);
+
 /** Writes an observations-only MRPT rawlog: per scan a CObservationRobotPose "slam_pose" (the
  * estimated pose) and a CObservationPointCloud "lidar" of the same time stamp. Scans are 0.1 s
- * apart, from a fixed date on.
+ * apart, from a fixed date on; recordings follow each other.
  * \exception std::runtime_error If the file cannot be written.
  */
 void writeRawlog(const Recording& recording, const std::string& path);
+void writeRawlog(const std::vector<Recording>& recordings, const std::string& path);
 
 }  // namespace mrpt::fusion::sim

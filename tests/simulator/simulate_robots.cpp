@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Command line: robots drive through a building, and out come their rawlogs and the true T_a_b.
+ * Command line: robots drive through a building, and out come their rawlogs, the one that a robot
+ * without pose errors would have recorded on all their drives, and the true T_a_b.
  */
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -8,6 +9,7 @@
 #include <iomanip>
 #include <iostream>
 
+#include "buildings.h"
 #include "mission.h"
 
 namespace {
@@ -15,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace mrpt::fusion::sim;
 
-VoxelGrid loadWorld(const std::string& path) {
+World loadBuilding(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw std::runtime_error(path + ": cannot be opened");
   octomap::OcTree tree(1.0);  // the file brings its own voxel size
@@ -25,6 +27,20 @@ VoxelGrid loadWorld(const std::string& path) {
   std::cerr.clear();
   if (!complete || tree.size() == 0) throw std::runtime_error(path + ": is not a complete .bt map");
   return VoxelGrid(tree);
+}
+
+/** A generated building by its name, else one from a file. */
+World makeWorld(const std::string& nameOrPath) {
+  if (nameOrPath == "lobby") return lobby();
+  if (nameOrPath == "office") return office();
+  return loadBuilding(nameOrPath);
+}
+
+void writeWorld(const World& world, const std::string& path) {
+  octomap::OcTree tree = world.solid.toOcTree();
+  std::ofstream file(path, std::ios::binary);
+  if (!tree.writeBinary(file) || !file.flush())
+    throw std::runtime_error(path + ": cannot be written");
 }
 
 void writePose(const mrpt::poses::CPose3D& pose, const fs::path& path) {
@@ -40,27 +56,30 @@ void printSummary(const std::string& name, const Recording& recording) {
   std::cout << name << ": " << recording.scans.size() << " scans, " << points << " points\n";
 }
 
-void simulate(const Mission& mission, const VoxelGrid& world, const fs::path& outDir) {
-  const auto recordings = runMission(world, mission);
+void simulate(const Mission& mission, const World& world, const fs::path& outDir) {
+  auto recordings = runMission(world, mission);
   fs::create_directories(outDir);
   for (size_t i = 0; i < recordings.size(); ++i) {
     const std::string& name = mission.robots[i].name;
     writeRawlog(recordings[i], (outDir / name).string() + ".rawlog");
     printSummary(name, recordings[i]);
   }
-  if (recordings.size() < 2) return;
-  const auto T_a_b = relativePoseTruth(recordings[0], recordings[1]);
-  writePose(T_a_b, outDir / "T_a_b.txt");
-  std::cout << "T_a_b: " << T_a_b << "\n";
+  if (recordings.size() > 1) {
+    const auto T_a_b = relativePoseTruth(recordings[0], recordings[1]);
+    writePose(T_a_b, outDir / "T_a_b.txt");
+    std::cout << "T_a_b: " << T_a_b << "\n";
+  }
+  writeRawlog(withoutPoseErrors(std::move(recordings)), (outDir / "all.rawlog").string());
 }
 
 int run(int argc, char** argv) {
   CLI::App app{"Simulates robots that map a building, each in its own frame."};
-  std::string missionPath, worldPath, outDir;
+  std::string missionPath, worldName, outDir, worldOut;
   uint32_t seed = 0;
   app.add_option("MISSION", missionPath, "Mission file (.ini)")->required();
-  app.add_option("--world", worldPath, "The building (.bt)")->required();
+  app.add_option("--world", worldName, "The building: a .bt file, lobby or office")->required();
   app.add_option("--out", outDir, "Folder for the results, made if need be")->required();
+  app.add_option("--write-world", worldOut, "Save the building as an OctoMap (.bt)");
   const auto* seedOption = app.add_option("--seed", seed, "In place of the seed of the mission");
   try {
     app.parse(argc, argv);
@@ -70,7 +89,9 @@ int run(int argc, char** argv) {
 
   Mission mission = loadMission(missionPath);
   if (*seedOption) mission.seed = seed;
-  simulate(mission, loadWorld(worldPath), outDir);
+  const World world = makeWorld(worldName);
+  if (!worldOut.empty()) writeWorld(world, worldOut);
+  simulate(mission, world, outDir);
   return 0;
 }
 

@@ -46,6 +46,51 @@ VoxelGrid::VoxelGrid(const octomap::OcTree& tree) : voxelSize_(tree.getResolutio
           bits_[index(cube.first - low + Eigen::Vector3i(x, y, z))] = true;
 }
 
+VoxelGrid::VoxelGrid(double voxelSize, const Eigen::AlignedBox3d& extent) : voxelSize_(voxelSize) {
+  // The rounding leaves a face where it is that is meant to be a multiple of the voxel size.
+  const auto roundedDown = [&](const Eigen::Vector3d& point) -> Eigen::Vector3i {
+    return (point.array() / voxelSize + 1e-6).floor().cast<int>();
+  };
+  const Eigen::Vector3i low = roundedDown(extent.min()), high = -roundedDown(-extent.max());
+  corner_ = low.cast<double>() * voxelSize;
+  size_ = high - low;
+  bits_.resize(size_.cast<size_t>().prod());
+}
+
+void VoxelGrid::fill(const Eigen::AlignedBox3d& box) {
+  forEachCellIn(box, [&](const Eigen::Vector3i& cell) { bits_[index(cell)] = true; });
+}
+
+void VoxelGrid::fillWhere(const Eigen::AlignedBox3d& box,
+                          const std::function<bool(const Eigen::Vector3d&)>& inside) {
+  forEachCellIn(box, [&](const Eigen::Vector3i& cell) {
+    if (inside(centreOf(cell))) bits_[index(cell)] = true;
+  });
+}
+
+void VoxelGrid::clear(const Eigen::AlignedBox3d& box) {
+  forEachCellIn(box, [&](const Eigen::Vector3i& cell) { bits_[index(cell)] = false; });
+}
+
+bool VoxelGrid::anyOccupied(const Eigen::AlignedBox3d& box) const {
+  bool any = false;
+  forEachCellIn(box, [&](const Eigen::Vector3i& cell) { any = any || bits_[index(cell)]; });
+  return any;
+}
+
+octomap::OcTree VoxelGrid::toOcTree() const {
+  octomap::OcTree tree(voxelSize_);
+  const Eigen::AlignedBox3d all(corner_, corner_ + size_.cast<double>() * voxelSize_);
+  forEachCellIn(all, [&](const Eigen::Vector3i& cell) {
+    if (!at(cell)) return;
+    const Eigen::Vector3d centre = centreOf(cell);
+    tree.setNodeValue(centre.x(), centre.y(), centre.z(), tree.getClampingThresMaxLog(), true);
+  });
+  tree.updateInnerOccupancy();
+  tree.prune();
+  return tree;
+}
+
 std::optional<double> VoxelGrid::castRay(const Eigen::Vector3d& origin,
                                          const Eigen::Vector3d& direction, double maxRange) const {
   Eigen::Vector3i cell = cellOf(origin);
@@ -74,6 +119,21 @@ std::optional<double> VoxelGrid::castRay(const Eigen::Vector3d& origin,
     cell[axis] += step[axis];
   }
   return std::nullopt;
+}
+
+template <typename Visitor>
+void VoxelGrid::forEachCellIn(const Eigen::AlignedBox3d& box, Visitor visit) const {
+  const Eigen::Array3d low = (box.min() - corner_).array() / voxelSize_ - 0.5;
+  const Eigen::Array3d high = (box.max() - corner_).array() / voxelSize_ - 0.5;
+  const Eigen::Array3i first = low.ceil().cast<int>().max(0);
+  const Eigen::Array3i last = high.floor().cast<int>().min(size_.array() - 1);
+  for (int z = first.z(); z <= last.z(); ++z)
+    for (int y = first.y(); y <= last.y(); ++y)
+      for (int x = first.x(); x <= last.x(); ++x) visit(Eigen::Vector3i(x, y, z));
+}
+
+Eigen::Vector3d VoxelGrid::centreOf(const Eigen::Vector3i& cell) const {
+  return corner_ + (cell.cast<double>().array() + 0.5).matrix() * voxelSize_;
 }
 
 Eigen::Vector3i VoxelGrid::cellOf(const Eigen::Vector3d& point) const {

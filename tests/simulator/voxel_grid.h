@@ -4,19 +4,42 @@
 #include <octomap/octomap.h>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <functional>
 #include <optional>
 #include <vector>
 
 namespace mrpt::fusion::sim {
 
-/** The occupied voxels of an OctoMap as a dense bit grid, made for casting many rays.
+/** Occupied voxels as a dense bit grid, made for casting many rays.
  *
  * Free and unknown space are alike transparent, and so is everything outside the grid.
- * Memory: one bit per voxel of the bounding box of the occupied voxels.
+ * The faces of the voxels lie at multiples of the voxel size, as in an OctoMap.
+ * Memory: one bit per voxel of the grid.
  */
 class VoxelGrid {
  public:
+  /** The occupied voxels of an OctoMap, and the bounding box of these. */
   explicit VoxelGrid(const octomap::OcTree& tree);
+
+  /** An empty grid of at least `extent` [m]. */
+  VoxelGrid(double voxelSize, const Eigen::AlignedBox3d& extent);
+
+  /** Occupies the voxels of the grid whose centres lie in `box` [m]. */
+  void fill(const Eigen::AlignedBox3d& box);
+
+  /** Occupies those of them whose centres [m] satisfy `inside`. */
+  void fillWhere(const Eigen::AlignedBox3d& box,
+                 const std::function<bool(const Eigen::Vector3d&)>& inside);
+
+  /** Frees the voxels whose centres lie in `box` [m]. */
+  void clear(const Eigen::AlignedBox3d& box);
+
+  /** Whether any voxel whose centre lies in `box` [m] is occupied. */
+  bool anyOccupied(const Eigen::AlignedBox3d& box) const;
+
+  /** The same as an OctoMap: occupied voxels, all else unknown. */
+  octomap::OcTree toOcTree() const;
 
   double voxelSize() const { return voxelSize_; }  //!< [m]
 
@@ -34,6 +57,10 @@ class VoxelGrid {
                                 double maxRange) const;
 
  private:
+  /** Calls `visit(cell)` for each cell of the grid whose centre lies in `box` [m]. */
+  template <typename Visitor>
+  void forEachCellIn(const Eigen::AlignedBox3d& box, Visitor visit) const;
+  Eigen::Vector3d centreOf(const Eigen::Vector3i& cell) const;
   Eigen::Vector3i cellOf(const Eigen::Vector3d& point) const;
   bool at(const Eigen::Vector3i& cell) const;
   size_t index(const Eigen::Vector3i& cell) const;

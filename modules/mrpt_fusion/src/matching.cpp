@@ -89,9 +89,16 @@ LevelProblem voxelLevel(const OccupiedVoxels& a, const OccupiedVoxels& b,
           {}};
 }
 
-/** The voxel level, on result.T_a_b; gives the result its covariance and pairs. */
+/** The least gate of voxel pairs, m. */
+double twoVoxels(const MapFeatures& a, const MapFeatures& b) {
+  return 2 * std::max(a.voxels.resolution, b.voxels.resolution);
+}
+
+/** The voxel level from its gate \a first_gate on, on result.T_a_b; gives the result its covariance
+ * and pairs. */
 void matchVoxels(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& association,
-                 const MatchParams& params, MatchResult& result, const OnIteration& on_iteration) {
+                 double first_gate, const MatchParams& params, MatchResult& result,
+                 const OnIteration& on_iteration) {
   LevelProblem level = voxelLevel(a.voxels, b.voxels, association, params);
   level.linearize = [&](const Pairs& pairs, const auto& T) {
     return params.voxel_metric == VoxelMetric::Point
@@ -99,8 +106,9 @@ void matchVoxels(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& a
                : linearizeSurfaces(a.voxels, a.surfaces, b.voxels, b.surfaces, pairs, T,
                                    params.flatness);
   };
-  const double two_voxels = 2 * std::max(a.voxels.resolution, b.voxels.resolution);
-  const Pairs last = runLevel(level, params.voxel_level, two_voxels, params, result, on_iteration);
+  LevelParams from_gate = params.voxel_level;
+  from_gate.gate = first_gate;
+  const Pairs last = runLevel(level, from_gate, twoVoxels(a, b), params, result, on_iteration);
   if (last.size() >= MatchResult::kMinPairs)
     result.covariance = poseCovariance(level.linearize(last, result.T_a_b), last.size());
   result.pairs = firstPairs(level, result.T_a_b, params.voxel_level.gate);
@@ -133,7 +141,7 @@ MatchResult matchTwoLevel(const MapFeatures& a, const MapFeatures& b,
   if (isEmpty(a, b)) return result;
   matchEdges(a, b, params, result, on_iteration);
   VoxelAssociation association(a.voxels);
-  matchVoxels(a, b, association, params, result, on_iteration);
+  matchVoxels(a, b, association, params.voxel_level.gate, params, result, on_iteration);
   return result;
 }
 
@@ -177,25 +185,27 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
   MatchResult from_edges;
   from_edges.T_a_b = T_a_b;
   matchEdges(a, b, params, from_edges, on_iteration);
+  const MapFeatures few_a = thinOut(a, params.search.cell), few_b = thinOut(b, params.search.cell);
   std::vector<Eigen::Isometry3d> starts = {from_edges.T_a_b};
-  for (const Hypothesis& h : searchAround(*a.map, b.voxels, T_a_b, params.search))
+  for (const Hypothesis& h : searchAround(*a.map, few_b.voxels, T_a_b, params.search))
     starts.push_back(h.T_a_b);
 
-  const MapFeatures few_a = thinOut(a, params.search.cell), few_b = thinOut(b, params.search.cell);
   VoxelAssociation association(a.voxels);
   MatchResult result;
   double best_agreement = -std::numeric_limits<double>::infinity();
   for (const Eigen::Isometry3d& start : starts) {
     MatchResult refined;
     refined.T_a_b = start;
-    matchVoxels(a, few_b, association, params, refined, {});
+    matchVoxels(a, few_b, association, params.voxel_level.gate, params, refined, {});
     const double reached = agreement(few_a, few_b, refined.T_a_b);
     if (reached <= best_agreement) continue;
     best_agreement = reached;
     result.T_a_b = refined.T_a_b;
   }
   result.iterations = from_edges.iterations;
-  matchVoxels(a, b, association, params, result, on_iteration);
+  const double final_gate = std::max(params.voxel_level.final_gate, twoVoxels(a, b));
+  matchVoxels(a, b, association, std::min(params.voxel_level.gate, final_gate), params, result,
+              on_iteration);
   return result;
 }
 

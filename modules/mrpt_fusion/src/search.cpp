@@ -97,8 +97,10 @@ class ScoreGrid {
   std::vector<int8_t> values_;
 };
 
-/** The middles of a map's occupied voxels in each coarse cell. */
+/** The middles of a map's occupied voxels in each coarse cell; every so many-th of them if there
+ * are more than it takes to tell poses apart. */
 std::vector<Eigen::Vector3d> coarsePoints(const OccupiedVoxels& voxels, double cell) {
+  constexpr size_t kEnough = 2000;
   struct Sum {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     int n = 0;
@@ -113,8 +115,10 @@ std::vector<Eigen::Vector3d> coarsePoints(const OccupiedVoxels& voxels, double c
     s.n++;
   }
   std::vector<Eigen::Vector3d> points;
-  points.reserve(cells.size());
-  for (const auto& [key, s] : cells) points.push_back(s.sum / s.n);
+  const size_t stride = (cells.size() + kEnough - 1) / kEnough;
+  size_t i = 0;
+  for (const auto& [key, s] : cells)
+    if (i++ % stride == 0) points.push_back(s.sum / s.n);
   return points;
 }
 
