@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/fusion/edges.h>
-#include <mrpt/fusion/voxel_index.h>
+#include <mrpt/fusion/voxel_blocks.h>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -18,66 +18,15 @@ double radiusInVoxels(double radius, double min_voxels, double resolution) {
   return std::max(radius / resolution, min_voxels);
 }
 
-/** The voxels around a place of the grid. */
-struct Neighbourhood {
-  const OccupiedVoxels& voxels;
-  const VoxelIndex& index;
-  const std::vector<VoxelIndex::Offset> offsets;
+/** Blocks of voxels per task. */
+constexpr size_t kBlockGrain = 64;
 
-  template <class F>
-  void forEach(uint32_t i, F&& f) const {
-    const auto& k = voxels.key[i];
-    for (const auto& o : offsets) {
-      const uint32_t j = index.find(k[0] + o[0], k[1] + o[1], k[2] + o[2]);
-      if (j != VoxelIndex::kNone) f(j, o);
-    }
-  }
-};
-
-Surfaces surfacesOf(const Neighbourhood& around, const EdgeParams& params) {
-  Surfaces surfaces;
-  surfaces.normal.assign(around.voxels.size(), Eigen::Vector3f::Zero());
-  surfaces.point = around.voxels.centre;
-  forEachIndex(around.voxels.size(), kGrain, [&](size_t i) {
-    // On the integer grid, so that the sums are exact.
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-    int n = 0;
-    around.forEach(static_cast<uint32_t>(i), [&](uint32_t, const VoxelIndex::Offset& o) {
-      const Eigen::Vector3d d(o[0], o[1], o[2]);
-      sum += d;
-      squares += d * d.transpose();
-      n++;
-    });
-    const Eigen::Vector3d mean = sum / n;
-    const Eigen::Matrix3d cov = squares / n - mean * mean.transpose();
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> pca;
-    pca.computeDirect(cov);
-    const auto& spread = pca.eigenvalues();
-    const bool has_plane =
-        spread[1] > 1e-6 && spread[0] <= params.max_surface_variation * spread.sum();
-    if (!has_plane) return;
-    const Eigen::Vector3d normal = pca.eigenvectors().col(0);
-    surfaces.normal[i] = normal.cast<float>();
-    surfaces.point[i] += (around.voxels.resolution * normal.dot(mean) * normal).cast<float>();
-  });
-  return surfaces;
-}
-
-std::vector<float> angleCostsOf(const Neighbourhood& around,
-                                const std::vector<Eigen::Vector3f>& normals) {
-  std::vector<float> costs(normals.size());
-  forEachIndex(costs.size(), kGrain, [&](size_t i) {
-    float sum = 0;
-    int n = 0;
-    around.forEach(static_cast<uint32_t>(i), [&](uint32_t j, const VoxelIndex::Offset&) {
-      if (normals[j].isZero()) return;
-      sum += normals[j].cross(normals[i]).norm();
-      n++;
-    });
-    costs[i] = n > 0 ? sum / static_cast<float>(n) : 0.F;
-  });
-  return costs;
+/** Calls `visit(i, neighbours)` for each voxel, see VoxelBlocks::forEachVoxel(), in parallel. */
+template <class Visit>
+void forEachVoxel(const VoxelBlocks& blocks, double radius, const Visit& visit) {
+  const VoxelBlocks::Ball ball(radius);
+  forEachIndex(blocks.size(), kBlockGrain,
+               [&](size_t block) { blocks.forEachVoxel(block, ball, visit); });
 }
 
 /** Walks along the surface around one voxel (Algorithm 1, lines 9-16).
@@ -87,9 +36,13 @@ std::vector<float> angleCostsOf(const Neighbourhood& around,
  * right angle (from a wall onto the floor) but not back. Lengths in voxels. */
 class SurfaceTracer {
  public:
-  SurfaceTracer(const Neighbourhood& around, uint32_t voxel, double distance)
-      : distance_(static_cast<float>(distance)) {
-    around.forEach(voxel, [&](uint32_t, const VoxelIndex::Offset& o) {
+  explicit SurfaceTracer(double distance) : distance_(static_cast<float>(distance)) {}
+
+  /** Goes to a voxel; \a neighbours are all that a walk from it can reach. */
+  template <class Neighbours>
+  void startFrom(const Neighbours& neighbours) {
+    points_.clear();
+    neighbours([&](uint32_t, const VoxelBlocks::Offset& o) {
       points_.emplace_back(static_cast<float>(o[0]), static_cast<float>(o[1]),
                            static_cast<float>(o[2]));
     });
@@ -99,9 +52,15 @@ class SurfaceTracer {
    * and against it, rad; none if the surface ends before d_T on a side. */
   std::optional<double> bend(const Eigen::Vector3f& tangent, const Eigen::Vector3f& normal) {
     const Eigen::Vector3f lateral = normal.cross(tangent);
-    slice_.clear();
-    for (const auto& p : points_)
-      if (std::abs(p.dot(lateral)) < kHalfSlice) slice_.emplace_back(p.dot(tangent), p.dot(normal));
+    along_.resize(points_.size());
+    above_.resize(points_.size());
+    cost_.resize(points_.size());
+    slice_size_ = 0;
+    for (const auto& p : points_) {
+      along_[slice_size_] = p.dot(tangent);
+      above_[slice_size_] = p.dot(normal);
+      slice_size_ += std::abs(p.dot(lateral)) < kHalfSlice ? 1 : 0;
+    }
     const auto t1 = trace({1, 0});
     if (!t1) return std::nullopt;
     const auto t2 = trace({-1, 0});
@@ -110,35 +69,50 @@ class SurfaceTracer {
   }
 
  private:
-  static constexpr float kHalfSlice = 0.75F;   ///< slices this thick miss no voxel of a surface
+  static constexpr float kHalfSlice = 0.75F;  ///< slices this thick miss no voxel of a surface
+  static constexpr float kMinStep = 0.5F;
   static constexpr float kMaxStep = 2.3F;      ///< across gaps of a sparsely seen surface
   static constexpr float kMinForward = -0.1F;  ///< cosine of the sharpest turn in one step
 
   /** TraceVectorAlongSurfaceVoxels: unit vector, in the slice, to where the walk is d_T away. */
-  std::optional<Eigen::Vector2f> trace(Eigen::Vector2f direction) const {
+  std::optional<Eigen::Vector2f> trace(Eigen::Vector2f direction) {
     Eigen::Vector2f at = Eigen::Vector2f::Zero();
     const int max_steps = 3 * static_cast<int>(distance_);
     for (int step = 0; step < max_steps; step++) {
       if (at.norm() >= distance_ - 0.5F) return middleOfSurfaceAt(at).normalized();
-      const Eigen::Vector2f ahead = at + direction;
-      const Eigen::Vector2f* next = nullptr;
-      float nearest = std::numeric_limits<float>::max();
-      for (const auto& q : slice_) {
-        const Eigen::Vector2f move = q - at;
-        const float length = move.norm();
-        if (length < 0.5F || length > kMaxStep || move.dot(direction) < kMinForward * length)
-          continue;
-        const float d = (q - ahead).squaredNorm();
-        if (d < nearest) {
-          nearest = d;
-          next = &q;
-        }
-      }
+      const std::optional<Eigen::Vector2f> next = nextAfter(at, direction);
       if (!next) return std::nullopt;
       direction = (direction + 2 * (*next - at).normalized()).normalized();
       at = *next;
     }
     return std::nullopt;  // going round in a clutter of voxels
+  }
+
+  /** The voxel nearest to one step ahead, among those that a step reaches. */
+  std::optional<Eigen::Vector2f> nextAfter(const Eigen::Vector2f& at,
+                                           const Eigen::Vector2f& direction) {
+    constexpr float kUnreachable = 1e9F;
+    constexpr float kNearFirst = 1e-3F;         // of two as good, whatever their order
+    for (size_t i = 0; i < slice_size_; i++) {  // without branches, for the compiler to vectorise
+      const float x = along_[i] - at.x(), y = above_[i] - at.y();
+      const float length2 = x * x + y * y;
+      const float forward = x * direction.x() + y * direction.y();
+      const float ahead_x = x - direction.x(), ahead_y = y - direction.y();
+      const float backward = std::min(forward, 0.F);
+      const bool reachable = (length2 >= kMinStep * kMinStep) & (length2 <= kMaxStep * kMaxStep) &
+                             (backward * backward <= kMinForward * kMinForward * length2);
+      const float cost = ahead_x * ahead_x + ahead_y * ahead_y + kNearFirst * length2;
+      cost_[i] = reachable ? cost : kUnreachable;
+    }
+    size_t best = 0;
+    float least = kUnreachable;
+    for (size_t i = 0; i < slice_size_; i++)
+      if (cost_[i] < least) {
+        least = cost_[i];
+        best = i;
+      }
+    if (least == kUnreachable) return std::nullopt;
+    return Eigen::Vector2f(along_[best], above_[best]);
   }
 
   /** The mean of the voxels about a place: a single one tells the surface to half a voxel only,
@@ -147,25 +121,26 @@ class SurfaceTracer {
     constexpr float kRadius2 = 1.6F * 1.6F;
     Eigen::Vector2f sum = Eigen::Vector2f::Zero();
     int n = 0;
-    for (const auto& q : slice_)
+    for (size_t i = 0; i < slice_size_; i++) {
+      const Eigen::Vector2f q(along_[i], above_[i]);
       if ((q - place).squaredNorm() <= kRadius2) {
         sum += q;
         n++;
       }
+    }
     return sum / static_cast<float>(n);
   }
 
   float distance_;
   std::vector<Eigen::Vector3f> points_;
-  std::vector<Eigen::Vector2f> slice_;
+  std::vector<float> along_, above_;  // of the slice, by tangent and normal
+  std::vector<float> cost_;
+  size_t slice_size_ = 0;
 };
 
-/** Lines 9-20: whether the surface bends by an angle in the window at a voxel, in any direction of
- * its tangent plane. */
-bool isBend(const Neighbourhood& around, uint32_t voxel, const Eigen::Vector3f& normal,
-            double distance, const EdgeParams& params) {
-  if (normal.isZero()) return false;
-  SurfaceTracer tracer(around, voxel, distance);
+/** Lines 9-20: whether the surface bends by an angle in the window at the tracer's voxel, in any
+ * direction of its tangent plane. */
+bool isBend(SurfaceTracer& tracer, const Eigen::Vector3f& normal, const EdgeParams& params) {
   const Eigen::Vector3f u = normal.unitOrthogonal();
   const Eigen::Vector3f v = normal.cross(u);
   const auto directions = std::lround(M_PI / params.trace_step_angle);
@@ -175,6 +150,86 @@ bool isBend(const Neighbourhood& around, uint32_t voxel, const Eigen::Vector3f& 
     if (angle && *angle > params.alpha_min && *angle < params.alpha_max) return true;
   }
   return false;
+}
+
+/** Lines 2-6. */
+Surfaces surfacesOf(const OccupiedVoxels& voxels, const VoxelBlocks& blocks,
+                    const EdgeParams& params) {
+  const double radius =
+      radiusInVoxels(params.normal_radius, params.min_normal_radius_voxels, voxels.resolution);
+  Surfaces surfaces;
+  surfaces.normal.assign(voxels.size(), Eigen::Vector3f::Zero());
+  surfaces.point = voxels.centre;
+  forEachVoxel(blocks, radius, [&](uint32_t i, const auto& neighbours) {
+    // Sums of whole numbers are exact, whatever their order.
+    int n = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+    neighbours([&](uint32_t, const VoxelBlocks::Offset& o) {
+      n++;
+      x += o[0];
+      y += o[1];
+      z += o[2];
+      xx += o[0] * o[0];
+      xy += o[0] * o[1];
+      xz += o[0] * o[2];
+      yy += o[1] * o[1];
+      yz += o[1] * o[2];
+      zz += o[2] * o[2];
+    });
+    const Eigen::Vector3d mean = Eigen::Vector3d(x, y, z) / n;
+    Eigen::Matrix3d squares;
+    squares << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+    const Eigen::Matrix3d cov = squares / n - mean * mean.transpose();
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> pca;
+    pca.computeDirect(cov);
+    const auto& spread = pca.eigenvalues();
+    const bool has_plane =
+        spread[1] > 1e-6 && spread[0] <= params.max_surface_variation * spread.sum();
+    if (!has_plane) return;
+    const Eigen::Vector3d normal = pca.eigenvectors().col(0);
+    surfaces.normal[i] = normal.cast<float>();
+    surfaces.point[i] += (voxels.resolution * normal.dot(mean) * normal).cast<float>();
+  });
+  return surfaces;
+}
+
+/** Eq. (5). */
+std::vector<float> angleCostsOf(const OccupiedVoxels& voxels, const VoxelBlocks& blocks,
+                                const std::vector<Eigen::Vector3f>& normals,
+                                const EdgeParams& params) {
+  const double radius =
+      radiusInVoxels(params.cost_radius, params.min_cost_radius_voxels, voxels.resolution);
+  std::vector<float> costs(voxels.size());
+  forEachVoxel(blocks, radius, [&](uint32_t i, const auto& neighbours) {
+    const Eigen::Vector3f normal = normals[i];
+    float sum = 0;
+    int n = 0;
+    neighbours([&](uint32_t j, const VoxelBlocks::Offset&) {
+      if (normals[j].isZero(0)) return;
+      sum += normals[j].cross(normal).norm();
+      n++;
+    });
+    costs[i] = n > 0 ? sum / static_cast<float>(n) : 0.F;
+  });
+  return costs;
+}
+
+/** Lines 7-22: whether each voxel is an edge. */
+std::vector<uint8_t> detectEdges(const OccupiedVoxels& voxels, const VoxelBlocks& blocks,
+                                 const std::vector<Eigen::Vector3f>& normals,
+                                 const EdgeParams& params) {
+  const auto costs = angleCostsOf(voxels, blocks, normals, params);
+  const double distance = std::max(params.trace_distance / voxels.resolution, 4.0);
+  const VoxelBlocks::Ball ball(distance + 2);
+  std::vector<uint8_t> is_edge(voxels.size(), 0);
+  forEachIndex(blocks.size(), kBlockGrain, [&](size_t block) {
+    SurfaceTracer tracer(distance);
+    blocks.forEachVoxel(block, ball, [&](uint32_t i, const auto& neighbours) {
+      if (costs[i] <= params.kappa || normals[i].isZero(0)) return;
+      tracer.startFrom(neighbours);
+      is_edge[i] = isBend(tracer, normals[i], params);
+    });
+  });
+  return is_edge;
 }
 
 /** Line 23: indices of the points whose mean distance to their nearest neighbours is not larger
@@ -221,26 +276,16 @@ std::vector<EdgeCovariance> edgeCovariances(const std::vector<Eigen::Vector3f>& 
   return covariances;
 }
 
-Neighbourhood neighbourhood(const OccupiedVoxels& voxels, const VoxelIndex& index, double radius,
-                            double min_voxels) {
-  return {voxels, index,
-          VoxelIndex::offsetsWithin(radiusInVoxels(radius, min_voxels, voxels.resolution))};
-}
-
 }  // namespace
 
 Surfaces computeSurfaces(const OccupiedVoxels& voxels, const EdgeParams& params) {
-  const VoxelIndex index(voxels.key);
-  return surfacesOf(
-      neighbourhood(voxels, index, params.normal_radius, params.min_normal_radius_voxels), params);
+  return surfacesOf(voxels, VoxelBlocks(voxels.key), params);
 }
 
 std::vector<float> computeAngleCosts(const OccupiedVoxels& voxels,
                                      const std::vector<Eigen::Vector3f>& normals,
                                      const EdgeParams& params) {
-  const VoxelIndex index(voxels.key);
-  return angleCostsOf(
-      neighbourhood(voxels, index, params.cost_radius, params.min_cost_radius_voxels), normals);
+  return angleCostsOf(voxels, VoxelBlocks(voxels.key), normals, params);
 }
 
 EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const EdgeParams& params) {
@@ -249,16 +294,7 @@ EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const EdgeParams& params) 
 
 EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const std::vector<Eigen::Vector3f>& normals,
                         const EdgeParams& params) {
-  const auto costs = computeAngleCosts(voxels, normals, params);
-
-  const VoxelIndex index(voxels.key);
-  const double distance = std::max(params.trace_distance / voxels.resolution, 4.0);
-  const Neighbourhood around{voxels, index, VoxelIndex::offsetsWithin(distance + 2)};
-  std::vector<uint8_t> is_edge(voxels.size(), 0);
-  forEachIndex(voxels.size(), kGrain, [&](size_t i) {
-    if (costs[i] > params.kappa)
-      is_edge[i] = isBend(around, static_cast<uint32_t>(i), normals[i], distance, params);
-  });
+  const auto is_edge = detectEdges(voxels, VoxelBlocks(voxels.key), normals, params);
 
   std::vector<uint32_t> candidates;
   std::vector<Eigen::Vector3f> points;
