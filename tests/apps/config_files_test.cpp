@@ -21,7 +21,7 @@ std::string toIni(const Options& options, const std::string& header) {
 }
 
 /** The published algorithm: no search, point-to-point voxels, constant gates, the statistical test
- * alone. */
+ * alone, the relative-entropy filter. */
 Options paperOptions() {
   Options o;
   o.match.search.translation = 0;
@@ -29,6 +29,7 @@ Options paperOptions() {
   o.match.voxel_level.final_gate = o.match.voxel_level.gate;
   o.evaluation.max_free_conflict = 1;
   o.evaluation.min_overlap = 0;
+  o.merge.policy = mrpt::fusion::MergePolicy::RelativeEntropy;
   return o;
 }
 

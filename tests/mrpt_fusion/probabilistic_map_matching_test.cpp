@@ -121,7 +121,7 @@ TEST(MapMatchingOptions, EachParameterComesBackFromAFile) {
   }
   saved.match.voxel_metric = VoxelMetric::Point;
   saved.match.voxel_covariance = VoxelCovariance::Quantisation;
-  saved.merge.policy = MergePolicy::Bayes;
+  saved.merge.policy = MergePolicy::Average;
 
   Options loaded;
   loaded.loadFromConfigFile(CConfigFileMemory(iniOf(saved)), "pmm");
@@ -129,7 +129,7 @@ TEST(MapMatchingOptions, EachParameterComesBackFromAFile) {
   for (const auto& c : countsOf(loaded)) EXPECT_EQ(*c.field, c.value) << c.key;
   EXPECT_EQ(loaded.match.voxel_metric, VoxelMetric::Point);
   EXPECT_EQ(loaded.match.voxel_covariance, VoxelCovariance::Quantisation);
-  EXPECT_EQ(loaded.merge.policy, MergePolicy::Bayes);
+  EXPECT_EQ(loaded.merge.policy, MergePolicy::Average);
 }
 
 TEST(MapMatchingOptions, DefaultsSurviveAFile) {

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <iosfwd>
+#include <string>
+
+#include "map_pair.h"
+
+/** \file The paper's experiments (Sec. VI), one function each; report.py makes tables and figures
+ * of the lines they write. */
+
+namespace mrpt::fusion::benchmark {
+
+/** What to leave out of a run. */
+struct Effort {
+  unsigned stride = 1;  ///< take every so many-th start, cut, ...
+};
+
+/** Table II: sizes of the maps and their overlap. */
+void describeData(const MapPair& pair, std::ostream& csv);
+
+/** Figs. 12-14, Tables III and IV: one method from the 125 starts. \param[out] inliers Fig. 15.
+ * \param[out] costs Preprocessing and memory. */
+void alignFromStarts(const MapPair& pair, const std::string& method, const Effort& effort,
+                     std::ostream& csv, std::ostream& inliers, std::ostream& costs);
+
+/** Fig. 10: error after each iteration of ICP on edges and of the first level of PMM. */
+void matchEdges(const MapPair& pair, const Effort& effort, std::ostream& csv);
+
+/** Fig. 11: map B is cut metre by metre on the side where it overlaps map A. */
+void reduceOverlap(const MapPair& pair, const Effort& effort, std::ostream& csv);
+
+/** Table V: each merging policy at the true pose, also against the pair's reference map. */
+void mergeByPolicy(const MapPair& pair, std::ostream& csv);
+
+/** What each step beyond the paper contributes: the default without it, from the 125 starts. */
+void ablate(const MapPair& pair, const Effort& effort, std::ostream& csv);
+
+}  // namespace mrpt::fusion::benchmark

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_pair.h"
+
+#include <mrpt/fusion/association.h>
+#include <mrpt/fusion/voxels.h>
+#include <mrpt/maps/map_files.h>
+#include <mrpt/maps/octree_build.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <stdexcept>
+
+namespace mrpt::fusion::benchmark {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::shared_ptr<const octomap::OcTree> loadTree(const fs::path& path) {
+  const auto map = mrpt::maps::loadMap(path.string());
+  return {map, &map->octree()};
+}
+
+Eigen::Isometry3d loadPose(const fs::path& path) {
+  std::ifstream file(path);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  for (int row = 0; row < 4; row++)
+    for (int column = 0; column < 4; column++) file >> T.matrix()(row, column);
+  if (!file) throw std::runtime_error(path.string() + ": is not a 4x4 matrix");
+  return T;
+}
+
+/** Keeps what lies on one side of a plane. */
+class CropVisitor {
+ public:
+  using State = const octomap::OcTreeNode*;
+
+  CropVisitor(const octomap::OcTree& map, const Eigen::Vector3d& direction, double offset)
+      : map_(map), direction_(direction), offset_(offset) {}
+
+  mrpt::maps::OcTreeFill visit(const mrpt::maps::OcTreeCube& cube, State node) const {
+    using mrpt::maps::OcTreeFill;
+    if (!node) return OcTreeFill::unknown();
+    const double half = 0.5 * cube.side() * map_.getResolution();
+    const octomap::point3d low = map_.keyToCoord(cube.key);  // the middle of its first voxel
+    const Eigen::Vector3d middle =
+        Eigen::Vector3d(low.x(), low.y(), low.z()).array() + half - 0.5 * map_.getResolution();
+    const double depth = direction_.dot(middle) - offset_;
+    const double reach = half * direction_.lpNorm<1>();
+    if (depth <= -reach) return OcTreeFill::unknown();
+    if (map_.nodeHasChildren(node) || (depth < reach && cube.depth < cube.kMaxDepth))
+      return OcTreeFill::split();
+    return depth > 0 ? OcTreeFill::leaf(node->getLogOdds()) : OcTreeFill::unknown();
+  }
+
+  State descend(State node, unsigned i, const mrpt::maps::OcTreeCube&) const {
+    if (!node || !map_.nodeHasChildren(node)) return node;
+    return map_.nodeChildExists(node, i) ? map_.getNodeChild(node, i) : nullptr;
+  }
+
+ private:
+  const octomap::OcTree& map_;
+  Eigen::Vector3d direction_;
+  double offset_;
+};
+
+}  // namespace
+
+MapPair loadMapPair(const std::string& folder) {
+  const fs::path path = fs::weakly_canonical(folder);
+  MapPair pair;
+  pair.name = path.filename().string();
+  pair.a = loadTree(path / "map_a.ot");
+  pair.b = loadTree(path / "map_b.ot");
+  pair.T_a_b = loadPose(path / "T_a_b.txt");
+  if (fs::exists(path / "reference.ot")) pair.reference = loadTree(path / "reference.ot");
+  const OccupiedVoxels voxels = extractOccupiedVoxels(*pair.b);
+  if (voxels.size() == 0) throw std::runtime_error(folder + ": map b has no occupied voxel");
+  for (const auto& c : voxels.centre) pair.centre_of_b += c.cast<double>();
+  pair.centre_of_b /= static_cast<double>(voxels.size());
+  return pair;
+}
+
+Eigen::Isometry3d poseOf(const Start& start, const MapPair& pair) {
+  const Eigen::Vector3d middle = pair.T_a_b * pair.centre_of_b;
+  return Eigen::Translation3d(middle + Eigen::Vector3d(start.dx, start.dy, 0)) *
+         Eigen::AngleAxisd(start.dyaw, Eigen::Vector3d::UnitZ()) * Eigen::Translation3d(-middle) *
+         pair.T_a_b;
+}
+
+std::vector<Start> paperStarts() {
+  std::vector<Start> starts;
+  for (int yaw = -2; yaw <= 2; yaw++)
+    for (int x = -2; x <= 2; x++)
+      for (int y = -2; y <= 2; y++)
+        starts.push_back({static_cast<unsigned>(starts.size()), static_cast<double>(x),
+                          static_cast<double>(y), yaw * 7.5 * M_PI / 180});
+  return starts;
+}
+
+std::vector<Start> randomStarts(unsigned count, double translation, double yaw, unsigned seed) {
+  std::mt19937 random(seed);  // its numbers are the standard's; a distribution's are not
+  const auto within = [&](double limit) {
+    return limit * (2 * (static_cast<double>(random()) / static_cast<double>(random.max())) - 1);
+  };
+  std::vector<Start> starts;
+  for (unsigned i = 0; i < count; i++) {
+    const double dx = within(translation), dy = within(translation);
+    starts.push_back({i, dx, dy, within(yaw)});
+  }
+  return starts;
+}
+
+PoseError errorOf(const Eigen::Isometry3d& T_a_b, const MapPair& pair) {
+  const Eigen::Isometry3d delta = T_a_b * pair.T_a_b.inverse();
+  return {delta.translation().norm(),
+          (T_a_b * pair.centre_of_b - pair.T_a_b * pair.centre_of_b).norm(),
+          std::abs(Eigen::AngleAxisd(delta.linear()).angle())};
+}
+
+std::shared_ptr<const octomap::OcTree> cropMap(const octomap::OcTree& map,
+                                               const Eigen::Vector3d& direction, double offset) {
+  auto part = std::make_shared<octomap::OcTree>(map.getResolution());
+  mrpt::maps::OcTreeAccess::setSensorModel(*part, mrpt::maps::OcTreeAccess::sensorModel(map));
+  CropVisitor visitor(map, direction, offset);
+  mrpt::maps::buildOcTree(*part, CropVisitor::State{map.getRoot()}, visitor);
+  return part;
+}
+
+double trueOverlap(const MapPair& pair) {
+  const OccupiedVoxels a = extractOccupiedVoxels(*pair.a), b = extractOccupiedVoxels(*pair.b);
+  if (a.size() == 0 || b.size() == 0) return 0;
+  const double near = std::max({0.1, a.resolution, b.resolution}) + 1e-6;
+  const auto share = [&](const OccupiedVoxels& model, const OccupiedVoxels& scene,
+                         const Eigen::Isometry3d& T) {
+    const Pairs found = VoxelAssociation(model).associate(scene, T, {}, near);
+    return static_cast<double>(found.size()) / static_cast<double>(scene.size());
+  };
+  return 0.5 * (share(a, b, pair.T_a_b) + share(b, a, pair.T_a_b.inverse()));
+}
+
+}  // namespace mrpt::fusion::benchmark

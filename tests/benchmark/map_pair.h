@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <octomap/OcTree.h>
+
+#include <Eigen/Geometry>
+#include <memory>
+#include <string>
+#include <vector>
+
+/** \file Two maps whose relative pose is known, poses to start from, and how wrong a result is. */
+
+namespace mrpt::fusion::benchmark {
+
+struct MapPair {
+  std::string name;  ///< that of its folder
+  std::shared_ptr<const octomap::OcTree> a, b;
+  Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();  ///< the truth
+  Eigen::Vector3d centre_of_b = Eigen::Vector3d::Zero();  ///< of its occupied voxels, B's frame, m
+  std::shared_ptr<const octomap::OcTree>
+      reference;  ///< both robots' scans as one map, in A's frame; may be null
+};
+
+/** Reads map_a.ot, map_b.ot, T_a_b.txt (4x4, row-major) and, if there, reference.ot.
+ * \exception std::runtime_error What is missing or wrong, and where. */
+MapPair loadMapPair(const std::string& folder);
+
+/** A pose to start from: the truth, turned by dyaw about the vertical through B's middle and moved
+ * by (dx, dy), all in A's frame. */
+struct Start {
+  unsigned index;
+  double dx, dy;  ///< m
+  double dyaw;    ///< rad
+};
+Eigen::Isometry3d poseOf(const Start& start, const MapPair& pair);
+
+/** The paper's 125 starts (Sec. VI-C): x, y in {-2..2} m, yaw in {-15, -7.5, .. 15} deg. */
+std::vector<Start> paperStarts();
+/** Starts drawn evenly within +-translation (m) and +-yaw (rad); the same on every run. */
+std::vector<Start> randomStarts(unsigned count, double translation, double yaw, unsigned seed);
+
+struct PoseError {
+  double paper = 0;   ///< |translation of T_e T_g^-1|, Sec. VI-A.2, m
+  double centre = 0;  ///< how far B's middle is from where it should be, m
+  double angle = 0;   ///< rad
+};
+PoseError errorOf(const Eigen::Isometry3d& T_a_b, const MapPair& pair);
+
+/** The part of a map, known space and all, on the side of a plane where `direction . p > offset`
+ * (m; a leaf of several voxels is divided). */
+std::shared_ptr<const octomap::OcTree> cropMap(const octomap::OcTree& map,
+                                               const Eigen::Vector3d& direction, double offset);
+
+/** Mean share of the maps' occupied voxels that have an occupied voxel of the other within one
+ * voxel (at least 0.1 m) at the true pose. */
+double trueOverlap(const MapPair& pair);
+
+}  // namespace mrpt::fusion::benchmark

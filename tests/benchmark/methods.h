@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Geometry>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "map_pair.h"
+
+/** \file The methods that are compared, each behind the same two calls. */
+
+namespace mrpt::fusion::benchmark {
+
+/** The paper's protocol, the same for every method (Sec. VI-C). */
+constexpr double kGate = 2.0;  ///< largest distance of a pair, m
+constexpr unsigned kMaxIterations = 30;
+
+struct Registration {
+  Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();
+  unsigned iterations = 0;
+  std::optional<bool> accepted;  ///< the method's own verdict, if it gives one
+};
+
+class Method {
+ public:
+  virtual ~Method() = default;
+  /** All that depends on the maps alone; they outlive the method. */
+  virtual void prepare(const MapPair& pair) = 0;
+  /** From a start to a result, verdict included. */
+  virtual Registration align(const Eigen::Isometry3d& start) = 0;
+};
+
+/** "icp", "icp_plane", "gicp" or "ndt": PCL's.
+ * \exception std::invalid_argument For any other name. */
+std::unique_ptr<Method> makePclMethod(const std::string& name);
+
+/** PCL's point-to-point ICP between two sets of points (m), one iteration at a time.
+ * \return The pose after each iteration, at most \a iterations. */
+std::vector<Eigen::Isometry3d> icpSteps(const std::vector<Eigen::Vector3f>& model,
+                                        const std::vector<Eigen::Vector3f>& scene,
+                                        const Eigen::Isometry3d& start, double gate,
+                                        unsigned iterations);
+
+}  // namespace mrpt::fusion::benchmark

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pmm_methods.h"
+
+#include <mrpt/config/CConfigFile.h>
+
+namespace mrpt::fusion::benchmark {
+namespace {
+
+class Matching : public Method {
+ public:
+  explicit Matching(const Settings& settings) : settings_(settings) {}
+
+  void prepare(const MapPair& pair) override {
+    a_ = computeFeatures(*pair.a, settings_.match.edges);
+    b_ = computeFeatures(*pair.b, settings_.match.edges);
+  }
+
+  Registration align(const Eigen::Isometry3d& start) override {
+    const MatchResult result = matchMaps(a_, b_, start, settings_.match);
+    const Evaluation evaluation = evaluateMatch(*a_.map, a_.voxels, *b_.map, b_.voxels,
+                                                result.pairs, result.T_a_b, settings_.evaluation);
+    return {result.T_a_b, static_cast<unsigned>(result.iterations.size()), evaluation.accepted};
+  }
+
+ private:
+  Settings settings_;
+  MapFeatures a_, b_;
+};
+
+}  // namespace
+
+std::unique_ptr<Method> makeMatching(const Settings& settings) {
+  return std::make_unique<Matching>(settings);
+}
+
+Settings publishedSettings() {
+  Settings settings;
+  settings.loadFromConfigFile(mrpt::config::CConfigFile(CONFIG_DIR "/pmm_paper.ini"),
+                              "ProbabilisticMapMatching");
+  return settings;
+}
+
+Settings firstLevelSettings() {
+  Settings settings = publishedSettings();
+  settings.match.voxel_level.max_iterations = 0;
+  return settings;
+}
+
+std::unique_ptr<Method> makeMethod(const std::string& name) {
+  if (name == "default") return makeMatching({});
+  if (name == "pmm_paper") return makeMatching(publishedSettings());
+  if (name == "first_level") return makeMatching(firstLevelSettings());
+  return makePclMethod(name);
+}
+
+}  // namespace mrpt::fusion::benchmark

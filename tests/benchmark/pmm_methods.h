@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/slam/CProbabilisticMapMatching.h>
+
+#include <memory>
+#include <string>
+
+#include "methods.h"
+
+/** \file Our own methods. Apart from methods.h: MRPT's headers do not compile beside PCL's. */
+
+namespace mrpt::fusion::benchmark {
+
+using Settings = mrpt::slam::CProbabilisticMapMatching::TConfigParams;
+
+/** Our own matching and evaluation, with whatever settings. */
+std::unique_ptr<Method> makeMatching(const Settings& settings);
+
+/** The settings of share/mrpt_fusion/config_files/pmm_paper.ini. */
+Settings publishedSettings();
+/** Those, without the voxel level. */
+Settings firstLevelSettings();
+
+/** "first_level", "pmm_paper", "default", or one of makePclMethod(): \exception As makePclMethod().
+ */
+std::unique_ptr<Method> makeMethod(const std::string& name);
+
+}  // namespace mrpt::fusion::benchmark
