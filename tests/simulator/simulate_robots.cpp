@@ -17,14 +17,20 @@ namespace {
 namespace fs = std::filesystem;
 using namespace mrpt::fusion::sim;
 
+/** What `task` returns. OctoMap chats on std::cerr meanwhile; to tell of a failure is for main(). */
+template <typename Task>
+bool withoutChat(Task task) {
+  std::cerr.setstate(std::ios::failbit);
+  const bool result = task();
+  std::cerr.clear();
+  return result;
+}
+
 World loadBuilding(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw std::runtime_error(path + ": cannot be opened");
   octomap::OcTree tree(1.0);  // the file brings its own voxel size
-  // OctoMap chats on std::cerr as it reads; to tell of a failure is left to main().
-  std::cerr.setstate(std::ios::failbit);
-  const bool complete = tree.readBinary(file);
-  std::cerr.clear();
+  const bool complete = withoutChat([&] { return tree.readBinary(file); });
   if (!complete || tree.size() == 0) throw std::runtime_error(path + ": is not a complete .bt map");
   return VoxelGrid(tree);
 }
@@ -39,7 +45,8 @@ World makeWorld(const std::string& nameOrPath) {
 void writeWorld(const World& world, const std::string& path) {
   octomap::OcTree tree = world.solid.toOcTree();
   std::ofstream file(path, std::ios::binary);
-  if (!tree.writeBinary(file) || !file.flush())
+  const bool written = withoutChat([&] { return tree.writeBinary(file); });
+  if (!written || !file.flush())
     throw std::runtime_error(path + ": cannot be written");
 }
 
