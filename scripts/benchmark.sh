@@ -63,7 +63,7 @@ for pair in "${pairs[@]}"; do
   echo ablation "'$pair'" --stride "$(if $quick; then echo 50; else echo 5; fi)"
   echo merging "'$pair'"
   echo data "'$pair'"
-done >"$out/experiments.txt"
+done | sed 's/ *$//' >"$out/experiments.txt" # xargs takes a blank at the end for a continued line
 xargs -P "$jobs" -L 1 build/bin/fusion-benchmark --out "$out/csv" <"$out/experiments.txt"
 
 # One file per table, data sets and methods in the order of this script.

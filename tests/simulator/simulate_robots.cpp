@@ -17,7 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 using namespace mrpt::fusion::sim;
 
-/** What `task` returns. OctoMap chats on std::cerr meanwhile; to tell of a failure is for main(). */
+/** What `task` returns. OctoMap chats on std::cerr meanwhile; to tell of a failure is for main().
+ */
 template <typename Task>
 bool withoutChat(Task task) {
   std::cerr.setstate(std::ios::failbit);
@@ -46,8 +47,7 @@ void writeWorld(const World& world, const std::string& path) {
   octomap::OcTree tree = world.solid.toOcTree();
   std::ofstream file(path, std::ios::binary);
   const bool written = withoutChat([&] { return tree.writeBinary(file); });
-  if (!written || !file.flush())
-    throw std::runtime_error(path + ": cannot be written");
+  if (!written || !file.flush()) throw std::runtime_error(path + ": cannot be written");
 }
 
 void writePose(const mrpt::poses::CPose3D& pose, const fs::path& path) {
