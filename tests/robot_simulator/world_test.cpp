@@ -177,6 +177,21 @@ TEST(Buildings, AreAsLargeAsTheySay) {
   EXPECT_NEAR(sizeOf(lobby()).x(), 40, 1);
 }
 
+TEST(Buildings, HavePeopleWhoWalkThroughNothingSolid) {
+  const World world = lobby();
+  EXPECT_GE(world.people.size(), 5U);
+  for (size_t i = 0; i < world.people.size(); i++)
+    for (double time = 0; time < 120; time += 0.1) {
+      const Capsule c = world.people[i].at(time);
+      for (double z = c.radius; z < c.height; z += 0.2)  // above the floor that it stands on
+        for (int angle = 0; angle < 8; angle++) {
+          const Vector3d p = c.foot + Vector3d(c.radius * std::cos(angle * M_PI / 4),
+                                               c.radius * std::sin(angle * M_PI / 4), z);
+          ASSERT_FALSE(world.solid.isOccupied(p)) << "person " << i << " at " << p.transpose();
+        }
+    }
+}
+
 TEST(Missions, HaveFreeWays) {
   const auto check = [](const char* file, const World& world) {
     const Mission mission = loadMission(std::string(MISSION_DIR) + "/" + file);

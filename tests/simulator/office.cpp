@@ -165,8 +165,10 @@ void furnish(const Room& room, CRandomGenerator& random, VoxelGrid& solid) {
     if (happens(0.5, random)) placeInRoom(shelf(1.2, height), drawSpot(), room, solid);
     if (happens(0.3, random)) placeInRoom(cupboard(0.9, 1.4, 0.45), drawSpot(), room, solid);
   }
-  if (room.x.length() > 5.5)
-    placeInRoom(table(2.0, 1.0), {{room.x.middle(), room.y.middle() + 0.3, 0}, 0}, room, solid);
+  if (room.x.length() > 5.5) {  // to meet in: a table in the half away from the door
+    const double x = room.x.middle() + (room.doorX < room.x.middle() ? 1.7 : -1.7);
+    placeInRoom(table(2.0, 1.0), {{x, room.y.middle(), 0}, 0}, room, solid);
+  }
 }
 
 /** Printers and cupboards at the walls of the corridors, few and far between. */
