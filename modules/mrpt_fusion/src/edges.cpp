@@ -41,26 +41,18 @@ class SurfaceTracer {
   /** Goes to a voxel; \a neighbours are all that a walk from it can reach. */
   template <class Neighbours>
   void startFrom(const Neighbours& neighbours) {
-    points_.clear();
+    for (auto* axis : {&x_, &y_, &z_}) axis->clear();
     neighbours([&](uint32_t, const VoxelBlocks::Offset& o) {
-      points_.emplace_back(static_cast<float>(o[0]), static_cast<float>(o[1]),
-                           static_cast<float>(o[2]));
+      x_.push_back(static_cast<float>(o[0]));
+      y_.push_back(static_cast<float>(o[1]));
+      z_.push_back(static_cast<float>(o[2]));
     });
   }
 
   /** The angle between the vectors to the ends of the walks that leave the voxel along \a tangent
    * and against it, rad; none if the surface ends before d_T on a side. */
   std::optional<double> bend(const Eigen::Vector3f& tangent, const Eigen::Vector3f& normal) {
-    const Eigen::Vector3f lateral = normal.cross(tangent);
-    along_.resize(points_.size());
-    above_.resize(points_.size());
-    cost_.resize(points_.size());
-    slice_size_ = 0;
-    for (const auto& p : points_) {
-      along_[slice_size_] = p.dot(tangent);
-      above_[slice_size_] = p.dot(normal);
-      slice_size_ += std::abs(p.dot(lateral)) < kHalfSlice ? 1 : 0;
-    }
+    cutSlice(tangent, normal);
     const auto t1 = trace({1, 0});
     if (!t1) return std::nullopt;
     const auto t2 = trace({-1, 0});
@@ -73,6 +65,31 @@ class SurfaceTracer {
   static constexpr float kMinStep = 0.5F;
   static constexpr float kMaxStep = 2.3F;      ///< across gaps of a sparsely seen surface
   static constexpr float kMinForward = -0.1F;  ///< cosine of the sharpest turn in one step
+
+  /** The points near the plane that tangent and normal span, in its coordinates. */
+  void cutSlice(const Eigen::Vector3f& tangent, const Eigen::Vector3f& normal) {
+    const Eigen::Vector3f lateral = normal.cross(tangent);
+    const size_t n = x_.size();
+    cost_.resize(n);
+    slice_.resize(n);
+    along_.resize(n);
+    above_.resize(n);
+    const float *x = x_.data(), *y = y_.data(), *z = z_.data();
+    float* const distance = cost_.data();
+    const float lateral_x = lateral.x(), lateral_y = lateral.y(), lateral_z = lateral.z();
+    for (size_t i = 0; i < n; i++)
+      distance[i] = std::abs(x[i] * lateral_x + y[i] * lateral_y + z[i] * lateral_z);
+    slice_size_ = 0;
+    for (size_t i = 0; i < n; i++) {
+      slice_[slice_size_] = static_cast<uint32_t>(i);
+      slice_size_ += cost_[i] < kHalfSlice ? 1 : 0;
+    }
+    for (size_t k = 0; k < slice_size_; k++) {
+      const Eigen::Vector3f p(x_[slice_[k]], y_[slice_[k]], z_[slice_[k]]);
+      along_[k] = p.dot(tangent);
+      above_[k] = p.dot(normal);
+    }
+  }
 
   /** TraceVectorAlongSurfaceVoxels: unit vector, in the slice, to where the walk is d_T away. */
   std::optional<Eigen::Vector2f> trace(Eigen::Vector2f direction) {
@@ -92,17 +109,22 @@ class SurfaceTracer {
   std::optional<Eigen::Vector2f> nextAfter(const Eigen::Vector2f& at,
                                            const Eigen::Vector2f& direction) {
     constexpr float kUnreachable = 1e9F;
-    constexpr float kNearFirst = 1e-3F;         // of two as good, whatever their order
-    for (size_t i = 0; i < slice_size_; i++) {  // without branches, for the compiler to vectorise
-      const float x = along_[i] - at.x(), y = above_[i] - at.y();
+    constexpr float kNearFirst = 1e-3F;  // of two as good, whatever their order
+    // Without branches and through plain pointers, for the compiler to vectorise.
+    const float *along = along_.data(), *above = above_.data();
+    float* const cost = cost_.data();
+    const float at_x = at.x(), at_y = at.y(), direction_x = direction.x(),
+                direction_y = direction.y();
+    for (size_t i = 0; i < slice_size_; i++) {
+      const float x = along[i] - at_x, y = above[i] - at_y;
       const float length2 = x * x + y * y;
-      const float forward = x * direction.x() + y * direction.y();
-      const float ahead_x = x - direction.x(), ahead_y = y - direction.y();
-      const float backward = std::min(forward, 0.F);
+      const float forward = x * direction_x + y * direction_y;
+      const float ahead_x = x - direction_x, ahead_y = y - direction_y;
+      const float backward = forward < 0 ? forward : 0;
+      const float ahead2 = ahead_x * ahead_x + ahead_y * ahead_y + kNearFirst * length2;
       const bool reachable = (length2 >= kMinStep * kMinStep) & (length2 <= kMaxStep * kMaxStep) &
                              (backward * backward <= kMinForward * kMinForward * length2);
-      const float cost = ahead_x * ahead_x + ahead_y * ahead_y + kNearFirst * length2;
-      cost_[i] = reachable ? cost : kUnreachable;
+      cost[i] = reachable ? ahead2 : kUnreachable;
     }
     size_t best = 0;
     float least = kUnreachable;
@@ -132,8 +154,9 @@ class SurfaceTracer {
   }
 
   float distance_;
-  std::vector<Eigen::Vector3f> points_;
-  std::vector<float> along_, above_;  // of the slice, by tangent and normal
+  std::vector<float> x_, y_, z_;      // all points, from the voxel
+  std::vector<uint32_t> slice_;       // which of them are in the slice, the first slice_size_
+  std::vector<float> along_, above_;  // of the slice's, by tangent and normal
   std::vector<float> cost_;
   size_t slice_size_ = 0;
 };
