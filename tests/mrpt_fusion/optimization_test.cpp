@@ -213,6 +213,29 @@ TEST_F(Optimization, SurfaceErrorByHand) {
   EXPECT_NEAR(surfacesAt(T_a_b, 0.1).error, 0.5 * voxelsAt(T_a_b).error, 1e-9);
 }
 
+TEST_F(Optimization, SurfaceErrorIsWeightedByTheInverseOfBothCovariances) {
+  addPairs(50, 0.3);
+  model_normals[0].setZero();
+  scene_normals[1].setZero();
+  scene_normals[2] = (T_a_b.linear().transpose().cast<float>() * model_normals[2]).eval();
+  for (const double flatness : {0.01, 0.3, 1.0}) {
+    double expected = 0;
+    for (const Pair& p : pairs) {
+      const auto covariance = [&](const Eigen::Vector3d& n) {
+        return Eigen::Matrix3d(Eigen::Matrix3d::Identity() - (1 - flatness) * n * n.transpose());
+      };
+      const Eigen::Vector3d e =
+          model.centre[p.model].cast<double>() - T_a_b * scene.centre[p.scene].cast<double>();
+      const Eigen::Matrix3d C = covariance(model_normals[p.model].cast<double>()) +
+                                covariance(T_a_b.linear() * scene_normals[p.scene].cast<double>());
+      const double factor =
+          1 / (1.0 / model.probability[p.model] + 1.0 / scene.probability[p.scene]);
+      expected += factor * e.dot(C.inverse() * e);
+    }
+    EXPECT_NEAR(surfacesAt(T_a_b, flatness).error, expected, 1e-4 * expected) << flatness;
+  }
+}
+
 TEST_F(Optimization, SurfacesSlideAlongEachOther) {
   // Pairs on one floor, the model's 0.2 m above the scene's and 1 m aside.
   T_a_b.setIdentity();

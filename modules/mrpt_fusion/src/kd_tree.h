@@ -40,7 +40,7 @@ class KdTree {
   };
   /** The nearest point closer than the gate (squared, weighted), if any. */
   std::optional<Nearest> nearestWithin(const Descriptor& query, float squared_gate) const {
-    GatedResult result{squared_gate};
+    GatedResult result(squared_gate);
     tree_.findNeighbors(result, query.data(), nanoflann::SearchParams());
     if (result.index == kNone) return std::nullopt;
     return Nearest{result.index, result.best};
@@ -108,16 +108,20 @@ class KdTree {
   /** nanoflann result set that keeps one point, if within the gate; ties go to the lower index, so
    * that the answer does not depend on the tree's layout. */
   struct GatedResult {
-    float best;
+    explicit GatedResult(float gate) : best(gate), worst(justAbove(gate)) {}
+
+    float best, worst;
     uint32_t index = kNone;
 
     size_t size() const { return index == kNone ? 0 : 1; }
     bool full() const { return true; }
     /** nanoflann passes over points at this very distance; ties are to be seen. */
-    float worstDist() const { return std::nextafter(best, std::numeric_limits<float>::max()); }
+    float worstDist() const { return worst; }
+    static float justAbove(float x) { return std::nextafter(x, std::numeric_limits<float>::max()); }
     bool addPoint(float distance, uint32_t i) {
       if (distance < best || (distance == best && index != kNone && i < index)) {
         best = distance;
+        worst = justAbove(distance);
         index = i;
       }
       return true;

@@ -49,6 +49,18 @@ double occupancyFactor(const OccupiedVoxels& model, const OccupiedVoxels& scene,
               1 / static_cast<double>(scene.probability[p.scene]));
 }
 
+/** (C_m + C_s)^-1 of two surfaces, C = I - (1 - flatness) n n' with n a unit vector or zero.
+ *
+ * In closed form: with k = 1 - flatness and c = n_m . n_s, the sum has the eigenvectors n_m + n_s,
+ * n_m - n_s and what is normal to both, and the eigenvalues 2 - k (1 + c), 2 - k (1 - c) and 2. */
+Eigen::Matrix3d surfaceWeight(const Eigen::Vector3d& n_m, const Eigen::Vector3d& n_s,
+                              double flatness) {
+  const double k = 1 - flatness, c = n_m.dot(n_s);
+  const Eigen::Vector3d sum = n_m + n_s, difference = n_m - n_s;
+  return 0.5 * Eigen::Matrix3d::Identity() + (k / (4 * (2 - k * (1 + c))) * sum) * sum.transpose() +
+         (k / (4 * (2 - k * (1 - c))) * difference) * difference.transpose();
+}
+
 }  // namespace
 
 NormalEquations linearizeEdges(const EdgeVoxels& model, const EdgeVoxels& scene, const Pairs& pairs,
@@ -81,12 +93,10 @@ NormalEquations linearizeSurfaces(const OccupiedVoxels& model, const Surfaces& m
   const Eigen::Matrix3d R = T_a_b.linear();
   return sumOf(
       scene_surface.point, pairs, T_a_b, [&](const Pair& p, const Eigen::Vector3d& q) -> Term {
-        const Eigen::Vector3d n_m = model_surface.normal[p.model].cast<double>();
-        const Eigen::Vector3d n_s = R * scene_surface.normal[p.scene].cast<double>();
-        const Eigen::Matrix3d C = 2 * Eigen::Matrix3d::Identity() -
-                                  (1 - flatness) * (n_m * n_m.transpose() + n_s * n_s.transpose());
         return {model_surface.point[p.model].cast<double>() - q,
-                occupancyFactor(model, scene, p) * C.inverse()};
+                occupancyFactor(model, scene, p) *
+                    surfaceWeight(model_surface.normal[p.model].cast<double>(),
+                                  R * scene_surface.normal[p.scene].cast<double>(), flatness)};
       });
 }
 
