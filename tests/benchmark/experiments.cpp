@@ -5,7 +5,6 @@
 #include <mrpt/fusion/evaluation.h>
 #include <mrpt/fusion/matching.h>
 #include <mrpt/fusion/merging.h>
-#include <mrpt/maps/octree_build.h>
 
 #include <algorithm>
 #include <array>
@@ -17,6 +16,7 @@
 
 #include "pmm_methods.h"
 #include "stopwatch.h"
+#include "truth.h"
 
 namespace mrpt::fusion::benchmark {
 namespace {
@@ -63,55 +63,6 @@ double mean(const std::vector<double>& values) {
 }
 
 bool isSuccess(const PoseError& e) { return e.centre <= 0.6 && degrees(e.angle) <= 6; }
-/** Compares a fused map with the truth, voxel by voxel, where the truth is known. */
-class TruthComparison {
- public:
-  TruthComparison(const octomap::OcTree& truth, const octomap::OcTree& fused)
-      : truth_(truth), fused_(fused) {
-    walk(truth.getRoot(), fused.getRoot(), 0);
-  }
-
-  double logLoss() const { return log_loss_ / voxels_; }  ///< nats; unknown counts as 0.5
-  double brier() const { return brier_ / voxels_; }
-  /** Of "occupied": harmonic mean of precision and recall. */
-  double f1() const { return 2 * both_ / (in_truth_ + in_fused_); }
-
- private:
-  using Node = const octomap::OcTreeNode*;
-
-  void walk(Node truth, Node fused, unsigned depth) {
-    if (!truth) return;
-    const bool truth_splits = truth_.nodeHasChildren(truth);
-    const bool fused_splits = fused && fused_.nodeHasChildren(fused);
-    if (!truth_splits && !fused_splits) return compare(truth, fused, depth);
-    for (unsigned i = 0; i < 8; i++)
-      walk(childOf(truth_, truth, i), childOf(fused_, fused, i), depth + 1);
-  }
-
-  /** A leaf stands for all the cubes below it. */
-  static Node childOf(const octomap::OcTree& tree, Node node, unsigned i) {
-    if (!node || !tree.nodeHasChildren(node)) return node;
-    return tree.nodeChildExists(node, i) ? tree.getNodeChild(node, i) : nullptr;
-  }
-
-  void compare(Node truth, Node fused, unsigned depth) {
-    const double volume = std::pow(8.0, mrpt::maps::OcTreeCube::kMaxDepth - depth);
-    const bool occupied = truth_.isNodeOccupied(truth);
-    const double p = fused ? std::clamp(fused->getOccupancy(), 1e-6, 1 - 1e-6) : 0.5;
-    voxels_ += volume;
-    log_loss_ -= volume * std::log(occupied ? p : 1 - p);
-    brier_ += volume * mrpt::square((occupied ? 1.0 : 0.0) - p);
-    const bool found = fused && fused_.isNodeOccupied(fused);
-    if (occupied) in_truth_ += volume;
-    if (found) in_fused_ += volume;
-    if (occupied && found) both_ += volume;
-  }
-
-  const octomap::OcTree& truth_;
-  const octomap::OcTree& fused_;
-  double voxels_ = 0, log_loss_ = 0, brier_ = 0, in_truth_ = 0, in_fused_ = 0, both_ = 0;
-};
-
 /** The default without one of the steps beyond the paper, by name. */
 std::vector<std::pair<const char*, std::function<void(MatchParams&)>>> ablations() {
   return {{"default", [](MatchParams&) {}},
@@ -136,13 +87,14 @@ void describeData(const MapPair& pair, std::ostream& csv) {
   const Eigen::Vector3d size = box.sizes();
   writeRow(csv, pair.name, a.voxels.size(), b.voxels.size(), a.edges.size(), b.edges.size(),
            trueOverlap(pair), size.x(), size.y(), size.z(), pair.a->getResolution(),
-           pair.reference ? "simulator" : "T_a_b.txt");
+           loadTruth(pair).reference ? "simulator" : "T_a_b.txt");
 }
 
 void alignFromStarts(const MapPair& pair, const std::string& method_name, const Effort& effort,
                      std::ostream& csv, std::ostream& inliers, std::ostream& costs) {
   writeRow(csv, "dataset,method,start,dx_m,dy_m,dyaw_deg,error_paper_m,error_paper_deg",
-           "error_centre_m,iterations,cpu_s,wall_s,mean_mahalanobis,inlier_ratio,overlap,verdict");
+           "error_centre_m,iterations,cpu_s,wall_s,mean_mahalanobis,inlier_ratio,inlier_threshold",
+           "overlap,verdict");
   writeRow(inliers, "dataset,method,threshold,inlier_ratio_mean,inlier_ratio_q25,inlier_ratio_q75");
   writeRow(costs, "dataset,method,preprocess_cpu_s,preprocess_wall_s,peak_rss_mb");
 
@@ -183,7 +135,8 @@ void alignFromStarts(const MapPair& pair, const std::string& method_name, const 
     writeRow(csv, pair.name, method_name, starts[i].index, starts[i].dx, starts[i].dy,
              degrees(starts[i].dyaw), error.paper, degrees(error.angle), error.centre,
              result.iterations, times[i].first, times[i].second, evaluation.mean_mahalanobis,
-             evaluation.inlier_ratio, evaluation.overlap, verdictText(result.accepted));
+             evaluation.inlier_ratio, evaluation.threshold, evaluation.overlap,
+             verdictText(result.accepted));
   }
   for (size_t t = 0; t < thresholds.size(); t++)
     writeRow(inliers, pair.name, method_name, thresholds[t], mean(rates[t]),
@@ -265,7 +218,9 @@ void reduceOverlap(const MapPair& pair, const Effort& effort, std::ostream& csv)
 }
 
 void mergeByPolicy(const MapPair& pair, std::ostream& csv) {
-  writeRow(csv, "dataset,policy,size,entropy_occupied,entropy_known,log_loss,brier,f1");
+  writeRow(csv, "dataset,policy,size,entropy_occupied,entropy_known,log_loss,brier,f1",
+           "building_log_loss,building_brier,building_f1");
+  const Truth truth = loadTruth(pair);
   for (const auto& [policy, name] : mergePolicyNames()) {
     MergeParams params;
     params.policy = policy;
@@ -273,12 +228,15 @@ void mergeByPolicy(const MapPair& pair, std::ostream& csv) {
     const MapStatistics s = statisticsOf(*fused);
     csv << pair.name << ',' << name << ',' << s.occupied << ',' << s.mean_entropy_occupied << ','
         << s.mean_entropy_known;
-    if (pair.reference) {
-      const TruthComparison truth(*pair.reference, *fused);
-      writeRow(csv, "", truth.logLoss(), truth.brier(), truth.f1());
-    } else {
-      writeRow(csv, ",,,");
+    for (const auto* against : {&truth.reference, &truth.building}) {
+      if (*against) {
+        const TruthComparison c = compareWithTruth(**against, *fused);
+        csv << ',' << c.log_loss << ',' << c.brier << ',' << c.f1;
+      } else {
+        csv << ",,,";
+      }
     }
+    csv << '\n';
   }
 }
 

@@ -17,20 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::shared_ptr<const octomap::OcTree> loadTree(const fs::path& path) {
-  const auto map = mrpt::maps::loadMap(path.string());
-  return {map, &map->octree()};
-}
-
-Eigen::Isometry3d loadPose(const fs::path& path) {
-  std::ifstream file(path);
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  for (int row = 0; row < 4; row++)
-    for (int column = 0; column < 4; column++) file >> T.matrix()(row, column);
-  if (!file) throw std::runtime_error(path.string() + ": is not a 4x4 matrix");
-  return T;
-}
-
 /** Keeps what lies on one side of a plane. */
 class CropVisitor {
  public:
@@ -67,14 +53,27 @@ class CropVisitor {
 
 }  // namespace
 
+std::shared_ptr<const octomap::OcTree> loadTree(const std::string& path) {
+  const auto map = mrpt::maps::loadMap(path);
+  return {map, &map->octree()};
+}
+
+Eigen::Isometry3d loadPose(const std::string& path) {
+  std::ifstream file(path);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  for (int row = 0; row < 4; row++)
+    for (int column = 0; column < 4; column++) file >> T.matrix()(row, column);
+  if (!file) throw std::runtime_error(path + ": is not a 4x4 matrix");
+  return T;
+}
+
 MapPair loadMapPair(const std::string& folder) {
-  const fs::path path = fs::weakly_canonical(folder);
   MapPair pair;
-  pair.name = path.filename().string();
-  pair.a = loadTree(path / "map_a.ot");
-  pair.b = loadTree(path / "map_b.ot");
-  pair.T_a_b = loadPose(path / "T_a_b.txt");
-  if (fs::exists(path / "reference.ot")) pair.reference = loadTree(path / "reference.ot");
+  pair.folder = folder;
+  pair.name = fs::absolute(folder + "/.").parent_path().filename().string();
+  pair.a = loadTree(folder + "/map_a.ot");
+  pair.b = loadTree(folder + "/map_b.ot");
+  pair.T_a_b = loadPose(folder + "/T_a_b.txt");
   const OccupiedVoxels voxels = extractOccupiedVoxels(*pair.b);
   if (voxels.size() == 0) throw std::runtime_error(folder + ": map b has no occupied voxel");
   for (const auto& c : voxels.centre) pair.centre_of_b += c.cast<double>();

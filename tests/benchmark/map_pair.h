@@ -13,15 +13,18 @@
 namespace mrpt::fusion::benchmark {
 
 struct MapPair {
-  std::string name;  ///< that of its folder
+  std::string folder, name;  ///< where it is, and the last part of that
   std::shared_ptr<const octomap::OcTree> a, b;
   Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();  ///< the truth
   Eigen::Vector3d centre_of_b = Eigen::Vector3d::Zero();  ///< of its occupied voxels, B's frame, m
-  std::shared_ptr<const octomap::OcTree>
-      reference;  ///< both robots' scans as one map, in A's frame; may be null
 };
 
-/** Reads map_a.ot, map_b.ot, T_a_b.txt (4x4, row-major) and, if there, reference.ot.
+/** A map file's octree. \exception std::runtime_error As mrpt::maps::loadMap(). */
+std::shared_ptr<const octomap::OcTree> loadTree(const std::string& path);
+/** A 4x4 row-major matrix. \exception std::runtime_error If it is not one. */
+Eigen::Isometry3d loadPose(const std::string& path);
+
+/** Reads map_a.ot, map_b.ot and T_a_b.txt.
  * \exception std::runtime_error What is missing or wrong, and where. */
 MapPair loadMapPair(const std::string& folder);
 

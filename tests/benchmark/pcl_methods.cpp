@@ -41,11 +41,15 @@ class PclMethod : public Method {
     const auto scene = centresOf<Point>(*pair.b);
     complete(*model);
     complete(*scene);
-    algorithm_.setMaximumIterations(kMaxIterations);
     algorithm_.setMaxCorrespondenceDistance(kGate);
     configure(algorithm_);
     algorithm_.setInputTarget(model);
     algorithm_.setInputSource(scene);
+    // PCL makes trees, covariances and cells when it first needs them: here, not in the first
+    // start.
+    algorithm_.setMaximumIterations(1);
+    align(pair.T_a_b);
+    algorithm_.setMaximumIterations(kMaxIterations);
   }
 
   Registration align(const Eigen::Isometry3d& start) override {

@@ -40,6 +40,12 @@ Settings publishedSettings() {
   return settings;
 }
 
+Settings withoutSearch() {
+  Settings settings;
+  settings.match.search.translation = 0;
+  return settings;
+}
+
 Settings firstLevelSettings() {
   Settings settings = publishedSettings();
   settings.match.voxel_level.max_iterations = 0;
@@ -48,6 +54,7 @@ Settings firstLevelSettings() {
 
 std::unique_ptr<Method> makeMethod(const std::string& name) {
   if (name == "default") return makeMatching({});
+  if (name == "no_search") return makeMatching(withoutSearch());
   if (name == "pmm_paper") return makeMatching(publishedSettings());
   if (name == "first_level") return makeMatching(firstLevelSettings());
   return makePclMethod(name);

@@ -19,10 +19,13 @@ std::unique_ptr<Method> makeMatching(const Settings& settings);
 
 /** The settings of share/mrpt_fusion/config_files/pmm_paper.ini. */
 Settings publishedSettings();
-/** Those, without the voxel level. */
+/** The default, from the guess alone. */
+Settings withoutSearch();
+/** The published settings, without the voxel level. */
 Settings firstLevelSettings();
 
-/** "first_level", "pmm_paper", "default", or one of makePclMethod(): \exception As makePclMethod().
+/** "first_level", "pmm_paper", "no_search", "default", or one of makePclMethod(): \exception As
+ * makePclMethod().
  */
 std::unique_ptr<Method> makeMethod(const std::string& name);
 

@@ -105,6 +105,14 @@ TEST_F(Matching, ThinnedOutMapsHaveOneVoxelOfEachCube) {
   EXPECT_EQ(thinOut(all, 0.1).voxels.size(), all.voxels.size());
 }
 
+TEST_F(Matching, ThinnedOutMapsHaveOneVoxelOfEachCubeOfAPrunedLeaf) {
+  // One leaf of 8 voxels' side, and a neighbour that is not pruned.
+  const auto tree =
+      MapWriter(0.1).box({0, 0, 0}, {7, 7, 7}, kOccupied).voxel({9, 1, 1}, kOccupied).pruned();
+  EXPECT_EQ(tree->getNumLeafNodes(), 2U);
+  EXPECT_EQ(thinOut(computeFeatures(*tree, params.edges), 0.4).voxels.size(), 9U);
+}
+
 TEST_F(Matching, RecordsThePoseThatEachIterationReached) {
   const MatchResult r = matchTwoLevel(maps().a, maps().b, guess, params);
   ASSERT_FALSE(r.iterations.empty());

@@ -21,10 +21,11 @@ using namespace mrpt::fusion::sim;
  */
 template <typename Task>
 bool withoutChat(Task task) {
-  std::cerr.setstate(std::ios::failbit);
-  const bool result = task();
-  std::cerr.clear();
-  return result;
+  struct Silence {
+    Silence() { std::cerr.setstate(std::ios::failbit); }
+    ~Silence() { std::cerr.clear(); }
+  } silence;
+  return task();
 }
 
 World loadBuilding(const std::string& path) {
@@ -76,6 +77,7 @@ void simulate(const Mission& mission, const World& world, const fs::path& outDir
     writePose(T_a_b, outDir / "T_a_b.txt");
     std::cout << "T_a_b: " << T_a_b << "\n";
   }
+  writePose(worldPoseTruth(recordings[0]), outDir / "T_a_w.txt");
   writeRawlog(withoutPoseErrors(std::move(recordings)), (outDir / "all.rawlog").string());
 }
 

@@ -19,6 +19,14 @@ size_t volumeOf(const octomap::OcTree& map, const Leaf& leaf) {
   return side * side * side;
 }
 
+/** One coordinate of the i-th voxel of a cube in the octree's order, x fastest at each depth. */
+uint32_t everyThirdBit(uint64_t i) {
+  uint32_t bits = 0;
+  for (unsigned bit = 0; i >> (3 * bit); bit++)
+    bits |= static_cast<uint32_t>(i >> (3 * bit) & 1) << bit;
+  return bits;
+}
+
 }  // namespace
 
 OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map, size_t max_voxels) {
@@ -42,18 +50,17 @@ OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map, size_t max_voxe
     const octomap::OcTreeKey low = it.getIndexKey();
     const uint32_t side = sideOf(map, it);
     const auto p = static_cast<float>(it->getOccupancy());
-    for (uint32_t x = 0; x < side; x++)
-      for (uint32_t y = 0; y < side; y++)
-        for (uint32_t z = 0; z < side; z++) {
-          const octomap::OcTreeKey key(static_cast<octomap::key_type>(low[0] + x),
-                                       static_cast<octomap::key_type>(low[1] + y),
-                                       static_cast<octomap::key_type>(low[2] + z));
-          v.centre.emplace_back(static_cast<float>(map.keyToCoord(key[0])),
-                                static_cast<float>(map.keyToCoord(key[1])),
-                                static_cast<float>(map.keyToCoord(key[2])));
-          v.probability.push_back(p);
-          v.key.push_back(key);
-        }
+    const uint64_t volume = uint64_t{side} * side * side;
+    for (uint64_t i = 0; i < volume; i++) {
+      const octomap::OcTreeKey key(static_cast<octomap::key_type>(low[0] + everyThirdBit(i)),
+                                   static_cast<octomap::key_type>(low[1] + everyThirdBit(i >> 1)),
+                                   static_cast<octomap::key_type>(low[2] + everyThirdBit(i >> 2)));
+      v.centre.emplace_back(static_cast<float>(map.keyToCoord(key[0])),
+                            static_cast<float>(map.keyToCoord(key[1])),
+                            static_cast<float>(map.keyToCoord(key[2])));
+      v.probability.push_back(p);
+      v.key.push_back(key);
+    }
   }
   return v;
 }

@@ -10,7 +10,8 @@
 namespace mrpt::fusion {
 
 /** The occupied voxels of a map at its finest resolution: the paper's tuples (centre, size,
- * probability), as parallel arrays in the order of the octree's leaves. */
+ * probability), as parallel arrays in the order of the octree's leaves, as if none were pruned: the
+ * voxels of each cube of the tree follow each other. */
 struct OccupiedVoxels {
   double resolution = 0;                ///< voxel size d_m, metres
   std::vector<Eigen::Vector3f> centre;  ///< metres, in the map's frame
