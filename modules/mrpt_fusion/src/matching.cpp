@@ -114,10 +114,6 @@ void matchVoxels(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& a
   result.pairs = firstPairs(level, result.T_a_b, params.voxel_level.gate);
 }
 
-/** An obstacle in the other's free space tells more than one confirmed, as any floor confirms any
- * floor. */
-constexpr double kConflictWeight = 3;
-
 bool isEmpty(const MapFeatures& a, const MapFeatures& b) {
   return a.voxels.size() == 0 || b.voxels.size() == 0;
 }

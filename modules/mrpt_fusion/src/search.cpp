@@ -19,7 +19,7 @@ using Cell = std::array<int, 3>;
  * fastest, with a margin of unknown cells so that shifted runs need no bounds checks along x. */
 class ScoreGrid {
  public:
-  static constexpr int8_t kOccupied = 1, kUnknown = 0, kFree = -1;
+  static constexpr int8_t kOccupied = 1, kUnknown = 0, kFree = -kConflictWeight;
 
   /** The part of \a map within \a region. */
   ScoreGrid(const octomap::OcTree& map, const Eigen::AlignedBox3d& region, double cell, int margin)
@@ -136,8 +136,8 @@ struct Place {
   bool isBetterThan(const Place& o) const {
     return score != o.score ? score > o.score : farness() < o.farness();  // near the guess first
   }
-  bool isNear(const Place& o) const {
-    return std::abs(x - o.x) <= 2 && std::abs(y - o.y) <= 2 && std::abs(yaw - o.yaw) <= 2;
+  bool isNear(const Place& o, int near_yaws) const {
+    return std::abs(x - o.x) <= 3 && std::abs(y - o.y) <= 3 && std::abs(yaw - o.yaw) <= near_yaws;
   }
 };
 
@@ -160,13 +160,13 @@ std::vector<int32_t> scoreWindow(const ScoreGrid& grid, const Eigen::Isometry3d&
 }
 
 /** The best places, none near a better one, best first. */
-std::vector<Place> mostDistinct(const std::vector<Place>& places, unsigned count) {
+std::vector<Place> mostDistinct(const std::vector<Place>& places, unsigned count, int near_yaws) {
   std::vector<Place> best;
   while (best.size() < count) {
     const Place* top = nullptr;
     for (const Place& p : places) {
-      const bool near =
-          std::any_of(best.begin(), best.end(), [&](const Place& t) { return p.isNear(t); });
+      const bool near = std::any_of(best.begin(), best.end(),
+                                    [&](const Place& t) { return p.isNear(t, near_yaws); });
       if (!near && (!top || p.isBetterThan(*top))) top = &p;
     }
     if (!top) break;
@@ -176,7 +176,7 @@ std::vector<Place> mostDistinct(const std::vector<Place>& places, unsigned count
 }
 
 std::vector<Place> bestPlaces(const std::vector<int32_t>& scores, const Window& window, int yaw,
-                              unsigned count) {
+                              unsigned count, int near_yaws) {
   std::vector<Place> places;
   places.reserve(scores.size());
   for (int z = 0, i = 0; z < window.size[2]; z++)
@@ -184,7 +184,7 @@ std::vector<Place> bestPlaces(const std::vector<int32_t>& scores, const Window& 
       for (int x = 0; x < window.size[0]; x++, i++)
         places.push_back({scores[static_cast<size_t>(i)], yaw, window.low[0] + x, window.low[1] + y,
                           window.low[2] + z});
-  return mostDistinct(places, count);
+  return mostDistinct(places, count, near_yaws);
 }
 
 Eigen::Vector3d meanOf(const std::vector<Eigen::Vector3d>& points) {
@@ -237,6 +237,8 @@ std::vector<Hypothesis> searchAround(const octomap::OcTree& map_a, const Occupie
   for (const auto& p : points) radius = std::max(radius, (T_a_b * p - middle).head<2>().norm());
   const double yaw_step = cell / radius;
   const int yaws = static_cast<int>(std::ceil(params.yaw / yaw_step));
+  constexpr double kNearYaw = 10 * M_PI / 180;
+  const int near_yaws = static_cast<int>(kNearYaw / yaw_step);
 
   // A guess that is wrong in yaw turned the map about the origin of B's frame as likely as about
   // its middle, which then lies elsewhere: the window of a yaw covers both.
@@ -267,13 +269,13 @@ std::vector<Hypothesis> searchAround(const octomap::OcTree& map_a, const Occupie
     const int yaw = static_cast<int>(i) - yaws;
     const Window window = windowOf(yaw);
     const auto scores = scoreWindow(grid, rotated(yaw), points, window);
-    best_of_yaw[i] = bestPlaces(scores, window, yaw, params.hypotheses);
+    best_of_yaw[i] = bestPlaces(scores, window, yaw, params.hypotheses, near_yaws);
   });
   std::vector<Place> places;
   for (const auto& of_yaw : best_of_yaw) places.insert(places.end(), of_yaw.begin(), of_yaw.end());
 
   std::vector<Hypothesis> best;
-  for (const Place& p : mostDistinct(places, params.hypotheses))
+  for (const Place& p : mostDistinct(places, params.hypotheses, near_yaws))
     best.push_back({Eigen::Translation3d(p.x * cell, p.y * cell, p.z * cell) * rotated(p.yaw),
                     static_cast<double>(p.score)});
   return best;

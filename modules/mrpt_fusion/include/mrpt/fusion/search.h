@@ -23,6 +23,11 @@ struct SearchParams {
   unsigned hypotheses = 3;          ///< best distinct poses to return
 };
 
+/** An obstacle of one map that lies in the other's free space speaks as loud against a pose as so
+ * many that the other confirms speak for it: any floor confirms any floor, and where rooms or
+ * pillars repeat, a larger overlap would win over the right one. */
+constexpr int kConflictWeight = 3;
+
 /** A pose and how well the maps agree there. */
 struct Hypothesis {
   Eigen::Isometry3d T_a_b;
@@ -34,9 +39,9 @@ struct Hypothesis {
  * moves by more than a cell from one to the next. An obstacle of B counts for a pose where A has
  * one too, and against it where A has seen free space, away from obstacles.
  *
- * \return The best poses that are two cells or the angle of two cells apart, best first.
- * Deterministic, whatever the number of threads.
- * Cost: yaws * translations * coarse cells of B, in contiguous runs of bytes.
+ * \return The best poses that are three cells or 10 deg apart, best first: nearer ones lead to the
+ * same place. Deterministic, whatever the number of threads. Cost: yaws * translations * coarse
+ * cells of B, in contiguous runs of bytes.
  */
 std::vector<Hypothesis> searchAround(const octomap::OcTree& map_a, const OccupiedVoxels& b,
                                      const Eigen::Isometry3d& T_a_b, const SearchParams& params);
