@@ -18,6 +18,7 @@ using mrpt::maps::OcTreeAccess;
 using mrpt::maps::serializeNodes;
 using octomap::OcTree;
 
+const MergeParams kRelativeEntropy{MergePolicy::RelativeEntropy, 0.1};
 constexpr MergePolicy kPolicies[] = {MergePolicy::RelativeEntropy, MergePolicy::Average,
                                      MergePolicy::Stitch, MergePolicy::Bayes};
 
@@ -102,7 +103,7 @@ TEST(FuseLogOdds, RelativeEntropyIsOfTheModelAgainstTheScene) {
   // Below the threshold one way, 0.080, and above it the other, 0.129.
   EXPECT_NEAR(fuse(0.97, 0.85, MergePolicy::RelativeEntropy), weightedMean(0.97, 0.85), 1e-6);
   EXPECT_NEAR(fuse(0.85, 0.97, MergePolicy::RelativeEntropy), 0.97, 1e-6);
-  MergeParams wider;
+  MergeParams wider = kRelativeEntropy;
   wider.kl_threshold = 0.13;
   EXPECT_NEAR(probability(fuseLogOdds(logOdds(0.85), logOdds(0.97), wider, -2.F, 3.5F)),
               weightedMean(0.97, 0.85), 1e-6);
@@ -277,7 +278,7 @@ TEST(MergeMaps, PutsTheSceneWhereThePoseSays) {
   const auto a = MapWriter().voxel({0, 0, 0}, logOdds(0.9)).pruned();
   const auto b = MapWriter().voxel({5, 1, 2}, logOdds(0.8)).pruned();
   // A quarter turn takes cell (5, 1) to (-2, 5), and then 3 voxels along x.
-  const auto fused = mergeMaps(*a, *b, poseOf(0.3, 0, 0, 90), MergeParams());
+  const auto fused = mergeMaps(*a, *b, poseOf(0.3, 0, 0, 90), kRelativeEntropy);
   expectAt(*fused, {0, 0, 0}, 0.9);
   expectAt(*fused, {1, 5, 2}, 0.8);
   EXPECT_EQ(fused->getNumLeafNodes(), 2);
@@ -306,17 +307,17 @@ TEST(MergeMaps, TakesAPrunedLeafForTheVoxelsItStandsFor) {
   expanded.expand();
   for (const auto* model : {&expanded, block.get()}) {
     SCOPED_TRACE(model == &expanded ? "expanded" : "pruned");
-    expectFused(*mergeMaps(*model, *few, kIdentity, MergeParams()));
+    expectFused(*mergeMaps(*model, *few, kIdentity, kRelativeEntropy));
   }
   // The other way round, KL(0.85 || 0.9) is as small and 0.2 against 0.9 as large.
-  expectFused(*mergeMaps(*few, *block, kIdentity, MergeParams()));
+  expectFused(*mergeMaps(*few, *block, kIdentity, kRelativeEntropy));
 }
 
 TEST(MergeMaps, IsPruned) {
   // Each holds half of a cube of 4^3 voxels.
   const auto a = MapWriter().box({0, 0, 0}, {1, 3, 3}, 1.F).unpruned();
   const auto b = MapWriter().box({2, 0, 0}, {3, 3, 3}, 1.F).unpruned();
-  const auto fused = mergeMaps(*a, *b, kIdentity, MergeParams());
+  const auto fused = mergeMaps(*a, *b, kIdentity, kRelativeEntropy);
   EXPECT_EQ(fused->getNumLeafNodes(), 1);
   EXPECT_EQ(statisticsOf(*fused).occupied, 64);
 }
@@ -325,7 +326,7 @@ TEST(MergeMaps, TakesACoarserScene) {
   const auto a =
       MapWriter(0.1).voxel({0, 0, 0}, logOdds(0.9)).voxel({9, 9, 9}, logOdds(0.3)).pruned();
   const auto b = MapWriter(0.2).voxel({0, 0, 0}, logOdds(0.85)).pruned();
-  const auto fused = mergeMaps(*a, *b, kIdentity, MergeParams());
+  const auto fused = mergeMaps(*a, *b, kIdentity, kRelativeEntropy);
   EXPECT_EQ(fused->getResolution(), 0.1);
   expectAt(*fused, {0, 0, 0}, (0.81 + 0.7225) / 1.75);
   expectAt(*fused, {1, 1, 1}, 0.85);
@@ -339,7 +340,7 @@ TEST(MergeMaps, TakesAFinerScene) {
   // One of the eight fine voxels of cell (0, 0, 0) is occupied, another free.
   const auto b =
       MapWriter(0.05).voxel({0, 0, 0}, logOdds(0.2)).voxel({1, 1, 0}, logOdds(0.8)).pruned();
-  const auto fused = mergeMaps(*a, *b, kIdentity, MergeParams());
+  const auto fused = mergeMaps(*a, *b, kIdentity, kRelativeEntropy);
   expectAt(*fused, {0, 0, 0}, 0.8);
   expectAt(*fused, {5, 5, 5}, 0.9);
   EXPECT_EQ(statisticsOf(*fused).occupied, 2);
@@ -357,7 +358,7 @@ TEST(MergeMaps, OfAMapWithItselfIsThatMap) {
 TEST(MergeMaps, OfTwoPartsIsTheWhole) {
   // Two robots' parts, 3 m of them in common, in one frame.
   const auto a = apartment({0, 0, 0}, {59, 69, 25}), b = apartment({30, 0, 0}, {99, 69, 25});
-  EXPECT_TRUE(serializeNodes(*mergeMaps(*a, *b, kIdentity, MergeParams())) ==
+  EXPECT_TRUE(serializeNodes(*mergeMaps(*a, *b, kIdentity, kRelativeEntropy)) ==
               serializeNodes(*apartment()));
 }
 
