@@ -7,7 +7,6 @@
 #include <mrpt/fusion/merging.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -63,6 +62,8 @@ double mean(const std::vector<double>& values) {
 }
 
 bool isSuccess(const PoseError& e) { return e.centre <= 0.6 && degrees(e.angle) <= 6; }
+bool isStrictSuccess(const PoseError& e) { return e.centre <= 0.1 && degrees(e.angle) <= 1; }
+
 /** The default without one of the steps beyond the paper, by name. */
 std::vector<std::pair<const char*, std::function<void(MatchParams&)>>> ablations() {
   return {{"default", [](MatchParams&) {}},
@@ -72,8 +73,6 @@ std::vector<std::pair<const char*, std::function<void(MatchParams&)>>> ablations
           {"point metric", [](MatchParams& p) { p.voxel_metric = VoxelMetric::Point; }},
           {"constant gate", [](MatchParams& p) { p.voxel_level.final_gate = p.voxel_level.gate; }}};
 }
-
-bool isStrictSuccess(const PoseError& e) { return e.centre <= 0.1 && degrees(e.angle) <= 1; }
 
 }  // namespace
 
@@ -87,7 +86,7 @@ void describeData(const MapPair& pair, std::ostream& csv) {
   const Eigen::Vector3d size = box.sizes();
   writeRow(csv, pair.name, a.voxels.size(), b.voxels.size(), a.edges.size(), b.edges.size(),
            trueOverlap(pair), size.x(), size.y(), size.z(), pair.a->getResolution(),
-           loadTruth(pair).reference ? "simulator" : "T_a_b.txt");
+           hasTruth(pair) ? "simulator" : "T_a_b.txt");
 }
 
 void alignFromStarts(const MapPair& pair, const std::string& method_name, const Effort& effort,
@@ -181,7 +180,6 @@ void reduceOverlap(const MapPair& pair, const Effort& effort, std::ostream& csv)
   const auto starts = randomStarts(kStarts, 1.0, mrpt::DEG2RAD(7.5), 2);
 
   // From B's middle to where A's is: that side of B is cut off. In B's frame.
-  Eigen::AlignedBox3d extent;
   Eigen::Vector3d centre_of_a = Eigen::Vector3d::Zero();
   const OccupiedVoxels a = extractOccupiedVoxels(*pair.a), b = extractOccupiedVoxels(*pair.b);
   for (const auto& c : a.centre) centre_of_a += c.cast<double>() / static_cast<double>(a.size());
@@ -191,6 +189,7 @@ void reduceOverlap(const MapPair& pair, const Effort& effort, std::ostream& csv)
   double reach = -std::numeric_limits<double>::infinity();
   for (const auto& c : b.centre) reach = std::max(reach, towards_a.dot(c.cast<double>()));
 
+  const EdgeVoxels model = computeFeatures(*pair.a, {}).edges;
   for (unsigned cut = 0; cut < 40; cut += effort.stride) {
     MapPair part = pair;
     part.b = cropMap(*pair.b, -towards_a, cut - reach - b.resolution);
@@ -207,7 +206,6 @@ void reduceOverlap(const MapPair& pair, const Effort& effort, std::ostream& csv)
       method->prepare(part);
       for (const Start& start : starts) write(name, start, method->align(poseOf(start, pair)));
     }
-    const EdgeVoxels model = computeFeatures(*part.a, {}).edges;
     const EdgeVoxels scene = computeFeatures(*part.b, {}).edges;
     for (const Start& start : starts) {
       const auto poses =

@@ -11,6 +11,7 @@
 #include <functional>
 #include <iostream>
 #include <map>
+#include <set>
 #include <stdexcept>
 
 #include "experiments.h"
@@ -53,9 +54,9 @@ int run(int argc, char** argv) {
       {"merging", mergeByPolicy},
       {"ablation", [&](const MapPair& pair, std::ostream& csv) { ablate(pair, effort, csv); }},
   };
-  app.add_option("EXPERIMENT", experiment,
-                 "data, starts, edge_iterations, overlap, merging or ablation")
-      ->required();
+  std::set<std::string> names = {"starts"};
+  for (const auto& [name, run] : experiments) names.insert(name);
+  app.add_option("EXPERIMENT", experiment, "What to run")->required()->check(CLI::IsMember(names));
   app.add_option("PAIR", folder, "Folder with map_a.ot, map_b.ot, T_a_b.txt [and reference.ot]")
       ->required();
   app.add_option("--method", method, "For starts: which method");
@@ -84,9 +85,7 @@ int run(int argc, char** argv) {
     inliers.finish();
     costs.finish();
   } else {
-    const auto found = experiments.find(experiment);
-    if (found == experiments.end()) throw std::runtime_error("unknown experiment " + experiment);
-    found->second(pair, csv.stream());
+    experiments.at(experiment)(pair, csv.stream());
   }
   csv.finish();
   return 0;

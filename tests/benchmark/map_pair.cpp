@@ -41,8 +41,7 @@ class CropVisitor {
   }
 
   State descend(State node, unsigned i, const mrpt::maps::OcTreeCube&) const {
-    if (!node || !map_.nodeHasChildren(node)) return node;
-    return map_.nodeChildExists(node, i) ? map_.getNodeChild(node, i) : nullptr;
+    return mrpt::maps::childOrSelf(map_, node, i);
   }
 
  private:

@@ -13,7 +13,7 @@
 
 namespace mrpt::fusion::benchmark {
 
-/** The paper's protocol, the same for every method (Sec. VI-C). */
+/** The paper's protocol (Sec. VI-C) for the methods that have one gate and one level. */
 constexpr double kGate = 2.0;  ///< largest distance of a pair, m
 constexpr unsigned kMaxIterations = 30;
 

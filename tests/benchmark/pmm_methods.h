@@ -24,9 +24,8 @@ Settings withoutSearch();
 /** The published settings, without the voxel level. */
 Settings firstLevelSettings();
 
-/** "first_level", "pmm_paper", "no_search", "default", or one of makePclMethod(): \exception As
- * makePclMethod().
- */
+/** "first_level", "pmm_paper", "no_search" or "default", or one of makePclMethod()'s names.
+ * \exception std::invalid_argument For any other name. */
 std::unique_ptr<Method> makeMethod(const std::string& name);
 
 }  // namespace mrpt::fusion::benchmark

@@ -11,13 +11,8 @@
 namespace mrpt::fusion::benchmark {
 namespace {
 
+using mrpt::maps::childOrSelf;
 using Node = const octomap::OcTreeNode*;
-
-/** A leaf stands for all the cubes below it. */
-Node childOf(const octomap::OcTree& tree, Node node, unsigned i) {
-  if (!node || !tree.nodeHasChildren(node)) return node;
-  return tree.nodeChildExists(node, i) ? tree.getNodeChild(node, i) : nullptr;
-}
 
 class LabelVisitor {
  public:
@@ -38,7 +33,7 @@ class LabelVisitor {
                                      : known_.getClampingThresMinLog());
   }
   State descend(const State& s, unsigned i, const mrpt::maps::OcTreeCube&) const {
-    return {childOf(known_, s.known, i), childOf(world_, s.world, i)};
+    return {childOrSelf(known_, s.known, i), childOrSelf(world_, s.world, i)};
   }
 
  private:
@@ -63,7 +58,7 @@ class Comparison {
     if (!truth_.nodeHasChildren(truth) && !(map && map_.nodeHasChildren(map)))
       return add(truth, map, depth);
     for (unsigned i = 0; i < 8; i++)
-      walk(childOf(truth_, truth, i), childOf(map_, map, i), depth + 1);
+      walk(childOrSelf(truth_, truth, i), childOrSelf(map_, map, i), depth + 1);
   }
 
   void add(Node truth, Node map, unsigned depth) {
@@ -87,9 +82,13 @@ class Comparison {
 
 }  // namespace
 
+bool hasTruth(const MapPair& pair) {
+  return std::filesystem::exists(pair.folder + "/reference.ot");
+}
+
 Truth loadTruth(const MapPair& pair) {
   Truth truth;
-  if (!std::filesystem::exists(pair.folder + "/reference.ot")) return truth;
+  if (!hasTruth(pair)) return truth;
   truth.reference = loadTree(pair.folder + "/reference.ot");
   const auto world =
       mrpt::maps::transformOcTree(*loadTree(pair.folder + "/world.bt"),

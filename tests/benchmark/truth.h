@@ -20,8 +20,11 @@ struct Truth {
   std::shared_ptr<const octomap::OcTree> building;
 };
 
+/** Whether the pair's folder has a reference. */
+bool hasTruth(const MapPair& pair);
+
 /** Reads reference.ot and, for the building, world.bt and T_a_w.txt (its pose in A's frame) from
- * the pair's folder; both are null if there is no reference. */
+ * the pair's folder; both are null unless hasTruth(). */
 Truth loadTruth(const MapPair& pair);
 
 /** The places that \a known knows, occupied where \a world is and else free. Both have one grid. */

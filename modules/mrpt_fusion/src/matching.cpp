@@ -77,9 +77,9 @@ void matchEdges(const MapFeatures& a, const MapFeatures& b, const MatchParams& p
            params.edge_level, 0, params, result, on_iteration);
 }
 
-/** The voxel level without its optimisation, which judging a pose does not need. */
-LevelProblem voxelLevel(const OccupiedVoxels& a, const OccupiedVoxels& b,
-                        VoxelAssociation& association, const MatchParams& params) {
+/** How the voxel level pairs: all that judging a pose needs of it. */
+LevelProblem voxelPairing(const OccupiedVoxels& a, const OccupiedVoxels& b,
+                          VoxelAssociation& association, const MatchParams& params) {
   const double H_m = occupancyUncertainty(a.probability, b.probability);
   return {Level::Voxel,
           [&](const auto& T, const auto& w, double gate) {
@@ -94,18 +94,24 @@ double twoVoxels(const MapFeatures& a, const MapFeatures& b) {
   return 2 * std::max(a.voxels.resolution, b.voxels.resolution);
 }
 
-/** The voxel level from its gate \a first_gate on, on result.T_a_b; gives the result its covariance
- * and pairs. */
-void matchVoxels(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& association,
-                 double first_gate, const MatchParams& params, MatchResult& result,
-                 const OnIteration& on_iteration) {
-  LevelProblem level = voxelLevel(a.voxels, b.voxels, association, params);
+LevelProblem voxelLevel(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& association,
+                        const MatchParams& params) {
+  LevelProblem level = voxelPairing(a.voxels, b.voxels, association, params);
   level.linearize = [&](const Pairs& pairs, const auto& T) {
     return params.voxel_metric == VoxelMetric::Point
                ? linearizeVoxels(a.voxels, b.voxels, pairs, T)
                : linearizeSurfaces(a.voxels, a.surfaces, b.voxels, b.surfaces, pairs, T,
                                    params.flatness);
   };
+  return level;
+}
+
+/** The voxel level from its gate \a first_gate on, on result.T_a_b; gives the result its covariance
+ * and pairs. */
+void matchVoxels(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& association,
+                 double first_gate, const MatchParams& params, MatchResult& result,
+                 const OnIteration& on_iteration) {
+  const LevelProblem level = voxelLevel(a, b, association, params);
   LevelParams from_gate = params.voxel_level;
   from_gate.gate = first_gate;
   const Pairs last = runLevel(level, from_gate, twoVoxels(a, b), params, result, on_iteration);
@@ -187,12 +193,13 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
     starts.push_back(h.T_a_b);
 
   VoxelAssociation association(a.voxels);
+  const LevelProblem few_level = voxelLevel(a, few_b, association, params);
   MatchResult result;
   double best_agreement = -std::numeric_limits<double>::infinity();
   for (const Eigen::Isometry3d& start : starts) {
     MatchResult refined;
     refined.T_a_b = start;
-    matchVoxels(a, few_b, association, params.voxel_level.gate, params, refined, {});
+    runLevel(few_level, params.voxel_level, twoVoxels(a, b), params, refined, {});
     const double reached = agreement(few_a, few_b, refined.T_a_b);
     if (reached <= best_agreement) continue;
     best_agreement = reached;
@@ -216,7 +223,7 @@ Pairs pairVoxels(const OccupiedVoxels& a, const OccupiedVoxels& b, const Eigen::
                  const MatchParams& params) {
   if (a.size() == 0 || b.size() == 0) return {};
   VoxelAssociation association(a);
-  return firstPairs(voxelLevel(a, b, association, params), T_a_b, params.voxel_level.gate);
+  return firstPairs(voxelPairing(a, b, association, params), T_a_b, params.voxel_level.gate);
 }
 
 }  // namespace mrpt::fusion

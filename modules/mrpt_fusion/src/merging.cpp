@@ -41,15 +41,10 @@ class MergeVisitor {
   }
 
   State descend(const State& s, unsigned i, const OcTreeCube&) const {
-    return {childOf(a_, s.a, i), childOf(b_, s.b, i)};
+    return {mrpt::maps::childOrSelf(a_, s.a, i), mrpt::maps::childOrSelf(b_, s.b, i)};
   }
 
  private:
-  static const OcTreeNode* childOf(const OcTree& tree, const OcTreeNode* node, unsigned i) {
-    if (!node || !tree.nodeHasChildren(node)) return node;
-    return tree.nodeChildExists(node, i) ? tree.getNodeChild(node, i) : nullptr;
-  }
-
   const OcTree& a_;
   const OcTree& b_;
   const MergeParams& params_;

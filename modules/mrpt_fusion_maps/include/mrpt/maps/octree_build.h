@@ -33,6 +33,15 @@ struct OcTreeCube {
   }
 };
 
+/** The node of the i-th child cube of a node's cube, for walks that go deeper than this tree does:
+ * a leaf, pruned or not, stands for all the cubes below it, and is returned itself. \param[in] node
+ * Null if nothing is known of its cube. \return Null if nothing is known of the child's. */
+inline const octomap::OcTreeNode* childOrSelf(const octomap::OcTree& tree,
+                                              const octomap::OcTreeNode* node, unsigned i) {
+  if (!node || !tree.nodeHasChildren(node)) return node;
+  return tree.nodeChildExists(node, i) ? tree.getNodeChild(node, i) : nullptr;
+}
+
 /** What a cube of the tree under construction holds. */
 struct OcTreeFill {
   enum class Kind { Unknown, Leaf, Split } kind = Kind::Unknown;
