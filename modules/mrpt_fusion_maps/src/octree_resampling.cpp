@@ -49,9 +49,18 @@ class ResamplingVisitor {
     explicit State(std::vector<Piece>& stack)
         : stack_(&stack), begin_(stack.size()), end_(begin_) {}
     State(State&& o) noexcept
-        : stack_(std::exchange(o.stack_, nullptr)), begin_(o.begin_), end_(o.end_) {}
+        : stack_(o.stack_), begin_(o.begin_), end_(o.end_), owns_(std::exchange(o.owns_, false)) {}
     ~State() {
-      if (stack_) stack_->resize(begin_);
+      if (owns_) stack_->resize(begin_);
+    }
+
+    /** The same pieces, for as long as this state lives. */
+    State view() const {
+      State s(*stack_);
+      s.begin_ = begin_;
+      s.end_ = end_;
+      s.owns_ = false;
+      return s;
     }
 
     void add(const Piece& p) {
@@ -64,6 +73,7 @@ class ResamplingVisitor {
    private:
     std::vector<Piece>* stack_;
     size_t begin_, end_;
+    bool owns_ = true;
   };
 
   ResamplingVisitor(const OcTree& source, const Eigen::Isometry3d& T_src_dst, double resolution)
@@ -83,6 +93,7 @@ class ResamplingVisitor {
   }
 
   State descend(const State& parent, unsigned, const OcTreeCube& cube) {
+    if (cube.depth > kSampledDepth) return parent.view();
     State s(stack_);
     const Box box = boxInSource(cube);
     for (size_t i = 0; i < parent.size(); i++) {
@@ -94,13 +105,18 @@ class ResamplingVisitor {
 
   OcTreeFill visit(const OcTreeCube& cube, const State& s) const {
     if (s.size() == 0) return OcTreeFill::unknown();
+    if (cube.depth > kSampledDepth)
+      return cube.depth < OcTreeCube::kMaxDepth ? OcTreeFill::split() : sample(cube, s);
     if (isUniform(s) && isCovered(boxInSource(cube), s))
       return OcTreeFill::leaf(s[0].node->getLogOdds());
-    if (cube.depth < OcTreeCube::kMaxDepth) return OcTreeFill::split();
-    return sample(cube, s);
+    return OcTreeFill::split();
   }
 
  private:
+  /** The voxels of a cube of this depth, 4 x 4 x 4, are sampled from the pieces of the cube: to sort
+   * these out for each smaller cube costs more than to look through them. */
+  static constexpr unsigned kSampledDepth = OcTreeCube::kMaxDepth - 2;
+
   Eigen::Vector3d toSource(const Eigen::Vector3d& p_new_grid) const {
     const Eigen::Vector3d p = (p_new_grid.array() - kGridOrigin).matrix() * scale_;
     return ((rotation_ * p + translation_).array() + kGridOrigin).matrix();
