@@ -15,7 +15,7 @@ packages=(
   mrpt-apps mrpt-common             # tests: rawlog-edit, observations2map, sample data
 )
 if [ "${1:-}" = --benchmark ]; then
-  packages+=(libpcl-dev pkg-config python3 python3-matplotlib python3-numpy)
+  packages+=(libpcl-dev libbenchmark-dev pkg-config python3 python3-matplotlib python3-numpy)
 fi
 
 missing=()

@@ -3,6 +3,7 @@
 #include <mrpt/config/CConfigFileMemory.h>
 #include <mrpt/slam/CProbabilisticMapMatching.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
@@ -20,13 +21,18 @@ std::string toIni(const Options& options, const std::string& header) {
   return header + text;
 }
 
-/** The published algorithm: no search, point-to-point voxels, constant gates, the statistical test
- * alone, the relative-entropy filter. */
+/** The published algorithm: all voxels, walks in all directions, no search, point-to-point voxels,
+ * constant gates, the statistical test alone, the relative-entropy filter. */
 Options paperOptions() {
   Options o;
+  o.match.edges.min_surface_variation = 0;
+  o.match.edges.trace_window = M_PI / 2;
+  o.match.voxel_spacing = 0;
   o.match.search.translation = 0;
   o.match.voxel_metric = mrpt::fusion::VoxelMetric::Point;
+  o.match.edge_level.final_gate = o.match.edge_level.gate;
   o.match.voxel_level.final_gate = o.match.voxel_level.gate;
+  o.match.solver.max_steps = 10;
   o.evaluation.max_free_conflict = 1;
   o.evaluation.min_overlap = 0;
   o.merge.policy = mrpt::fusion::MergePolicy::RelativeEntropy;

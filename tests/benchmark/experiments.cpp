@@ -5,12 +5,14 @@
 #include <mrpt/fusion/evaluation.h>
 #include <mrpt/fusion/matching.h>
 #include <mrpt/fusion/merging.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <ostream>
+#include <stdexcept>
 #include <utility>
 
 #include "pmm_methods.h"
@@ -79,7 +81,9 @@ std::vector<std::pair<const char*, std::function<void(MatchParams&)>>> ablations
 void describeData(const MapPair& pair, std::ostream& csv) {
   writeRow(csv, "dataset,voxels_a,voxels_b,edges_a,edges_b,overlap,size_x_m,size_y_m,size_z_m",
            "resolution_m,truth");
-  const MapFeatures a = computeFeatures(*pair.a, {}), b = computeFeatures(*pair.b, {});
+  MatchParams params;
+  params.voxel_spacing = 0;  // the table counts all edge voxels
+  const MapFeatures a = computeFeatures(*pair.a, params), b = computeFeatures(*pair.b, params);
   Eigen::AlignedBox3d box;
   for (const auto& c : a.voxels.centre) box.extend(c.cast<double>());
   for (const auto& c : b.voxels.centre) box.extend(pair.T_a_b * c.cast<double>());
@@ -100,6 +104,7 @@ void alignFromStarts(const MapPair& pair, const std::string& method_name, const 
   const Stopwatch preprocessing;
   const auto method = makeMethod(method_name);
   method->prepare(pair);
+  method->warmUp(pair);
   const double cpu = preprocessing.cpu(), wall = preprocessing.wall();
 
   const std::vector<Start> starts = every(effort.stride, paperStarts());
@@ -148,8 +153,8 @@ void matchEdges(const MapPair& pair, const Effort& effort, std::ostream& csv) {
   writeRow(csv, "dataset,method,start,iteration,error_m,error_deg,mse_m2");
   MatchParams params = firstLevelSettings().match;
   params.edge_level.max_iterations = kIterations;
-  const MapFeatures a = computeFeatures(*pair.a, params.edges);
-  const MapFeatures b = computeFeatures(*pair.b, params.edges);
+  const MapFeatures a = computeFeatures(*pair.a, params);
+  const MapFeatures b = computeFeatures(*pair.b, params);
   EdgeAssociation nearest(a.edges);
   const auto mse = [&](const Eigen::Isometry3d& T) {
     return meanSquaredError(nearest.associate(b.edges, T, {}, kGate));
@@ -189,7 +194,7 @@ void reduceOverlap(const MapPair& pair, const Effort& effort, std::ostream& csv)
   double reach = -std::numeric_limits<double>::infinity();
   for (const auto& c : b.centre) reach = std::max(reach, towards_a.dot(c.cast<double>()));
 
-  const EdgeVoxels model = computeFeatures(*pair.a, {}).edges;
+  const EdgeVoxels model = extractEdges(extractOccupiedVoxels(*pair.a), {});
   for (unsigned cut = 0; cut < 40; cut += effort.stride) {
     MapPair part = pair;
     part.b = cropMap(*pair.b, -towards_a, cut - reach - b.resolution);
@@ -206,7 +211,7 @@ void reduceOverlap(const MapPair& pair, const Effort& effort, std::ostream& csv)
       method->prepare(part);
       for (const Start& start : starts) write(name, start, method->align(poseOf(start, pair)));
     }
-    const EdgeVoxels scene = computeFeatures(*part.b, {}).edges;
+    const EdgeVoxels scene = extractEdges(extractOccupiedVoxels(*part.b), {});
     for (const Start& start : starts) {
       const auto poses =
           icpSteps(model.centre, scene.centre, poseOf(start, pair), kGate, kMaxIterations);
@@ -259,6 +264,37 @@ void ablate(const MapPair& pair, const Effort& effort, std::ostream& csv) {
     }
     writeRow(csv, pair.name, name, starts.size(), success, strict, quantile(metres, 0.5),
              quantile(angles, 0.5), quantile(seconds, 0.5));
+  }
+}
+
+void compareSpeed(const MapPair& pair, const Effort& effort, std::ostream& csv) {
+  struct Contestant {
+    const char *name, *method;
+    size_t threads;
+  };
+  constexpr Contestant kContestants[] = {{"default", "default", 1},
+                                         {"default_2_threads", "default", 2},
+                                         {"icp_plane", "icp_plane", 1},
+                                         {"gicp", "gicp", 1},
+                                         {"icp", "icp", 1}};
+  writeRow(csv, "dataset,method,round,cpu_s,wall_s,error_m,error_deg");
+  const Eigen::Isometry3d start = poseOf(nearStart(), pair);
+  for (unsigned round = 0; round < effort.rounds; round++) {
+    std::optional<Eigen::Isometry3d> ours;
+    for (const auto& [name, method_name, threads] : kContestants) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      const auto method = makeMethod(method_name);
+      const Stopwatch watch;
+      method->prepare(pair);
+      const Eigen::Isometry3d T = method->align(start).T_a_b;
+      const double cpu = watch.cpu(), wall = watch.wall();
+      const PoseError error = errorOf(T, pair);
+      writeRow(csv, pair.name, name, round, cpu, wall, error.centre, degrees(error.angle));
+      if (std::string(method_name) != "default") continue;
+      if (ours && ours->matrix() != T.matrix())
+        throw std::runtime_error(pair.name + ": the pose depends on the number of threads");
+      ours = T;
+    }
   }
 }
 

@@ -14,6 +14,7 @@ namespace mrpt::fusion::benchmark {
 /** What to leave out of a run. */
 struct Effort {
   unsigned stride = 1;  ///< take every so many-th start, cut, ...
+  unsigned rounds = 5;  ///< measure times so often
 };
 
 /** Table II: sizes of the maps and their overlap. */
@@ -35,5 +36,10 @@ void mergeByPolicy(const MapPair& pair, std::ostream& csv);
 
 /** What each step beyond the paper contributes: the default without it, from the 125 starts. */
 void ablate(const MapPair& pair, const Effort& effort, std::ostream& csv);
+
+/** The time of a whole match from nearStart(), preparation included: our default, on one and on two
+ * threads, and PCL's methods by turns, so that what else the machine does meets all alike.
+ * \exception std::runtime_error If two threads come to another pose than one. */
+void compareSpeed(const MapPair& pair, const Effort& effort, std::ostream& csv);
 
 }  // namespace mrpt::fusion::benchmark

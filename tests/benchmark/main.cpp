@@ -11,6 +11,7 @@
 #include <functional>
 #include <iostream>
 #include <map>
+#include <optional>
 #include <set>
 #include <stdexcept>
 
@@ -53,6 +54,7 @@ int run(int argc, char** argv) {
        [&](const MapPair& pair, std::ostream& csv) { reduceOverlap(pair, effort, csv); }},
       {"merging", mergeByPolicy},
       {"ablation", [&](const MapPair& pair, std::ostream& csv) { ablate(pair, effort, csv); }},
+      {"speed", [&](const MapPair& pair, std::ostream& csv) { compareSpeed(pair, effort, csv); }},
   };
   std::set<std::string> names = {"starts"};
   for (const auto& [name, run] : experiments) names.insert(name);
@@ -62,7 +64,10 @@ int run(int argc, char** argv) {
   app.add_option("--method", method, "For starts: which method");
   app.add_option("--stride", effort.stride, "Take every so many-th start or cut")
       ->check(CLI::PositiveNumber);
-  app.add_option("--threads", threads, "Most threads of our own methods")
+  app.add_option("--rounds", effort.rounds, "For speed: how often to measure")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--threads", threads, "Most threads of our own methods; speed sets its own")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--out", out, "Folder: EXPERIMENT/PAIR[-METHOD].csv is written there")->required();
@@ -72,7 +77,8 @@ int run(int argc, char** argv) {
     return app.exit(e) ? 2 : 0;
   }
 
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  std::optional<tbb::global_control> limit;  // the least of all limits holds
+  if (experiment != "speed") limit.emplace(tbb::global_control::max_allowed_parallelism, threads);
   const MapPair pair = loadMapPair(folder);
   const auto fileFor = [&](const std::string& table) {
     return CsvFile(fs::path(out) / table /

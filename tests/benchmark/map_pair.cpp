@@ -110,6 +110,8 @@ std::vector<Start> randomStarts(unsigned count, double translation, double yaw, 
   return starts;
 }
 
+Start nearStart() { return {0, 0.4, 0.3, 5 * M_PI / 180}; }
+
 PoseError errorOf(const Eigen::Isometry3d& T_a_b, const MapPair& pair) {
   const Eigen::Isometry3d delta = T_a_b * pair.T_a_b.inverse();
   return {delta.translation().norm(),

@@ -42,6 +42,9 @@ std::vector<Start> paperStarts();
 /** Starts drawn evenly within +-translation (m) and +-yaw (rad); the same on every run. */
 std::vector<Start> randomStarts(unsigned count, double translation, double yaw, unsigned seed);
 
+/** 0.5 m and 5 deg off the truth: as near as a usual guess. */
+Start nearStart();
+
 struct PoseError {
   double paper = 0;   ///< |translation of T_e T_g^-1|, Sec. VI-A.2, m
   double centre = 0;  ///< how far B's middle is from where it should be, m

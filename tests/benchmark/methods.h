@@ -28,6 +28,9 @@ class Method {
   virtual ~Method() = default;
   /** All that depends on the maps alone; they outlive the method. */
   virtual void prepare(const MapPair& pair) = 0;
+  /** Does what the method would leave to its first alignment, so that it is not in that one's time.
+   */
+  virtual void warmUp(const MapPair&) {}
   /** From a start to a result, verdict included. */
   virtual Registration align(const Eigen::Isometry3d& start) = 0;
 };

@@ -45,8 +45,10 @@ class PclMethod : public Method {
     configure(algorithm_);
     algorithm_.setInputTarget(model);
     algorithm_.setInputSource(scene);
-    // PCL makes trees, covariances and cells when it first needs them: here, not in the first
-    // start.
+    algorithm_.setMaximumIterations(kMaxIterations);
+  }
+
+  void warmUp(const MapPair& pair) override {  // PCL makes trees and covariances when it needs them
     algorithm_.setMaximumIterations(1);
     align(pair.T_a_b);
     algorithm_.setMaximumIterations(kMaxIterations);

@@ -3,6 +3,8 @@
 
 #include <mrpt/config/CConfigFile.h>
 
+#include <tuple>
+
 namespace mrpt::fusion::benchmark {
 namespace {
 
@@ -11,8 +13,7 @@ class Matching : public Method {
   explicit Matching(const Settings& settings) : settings_(settings) {}
 
   void prepare(const MapPair& pair) override {
-    a_ = computeFeatures(*pair.a, settings_.match.edges);
-    b_ = computeFeatures(*pair.b, settings_.match.edges);
+    std::tie(a_, b_) = computeFeatures(*pair.a, *pair.b, settings_.match);
   }
 
   Registration align(const Eigen::Isometry3d& start) override {

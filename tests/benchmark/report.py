@@ -183,7 +183,7 @@ def embolden(cells, best=None):
 
 def markdown(titles, lines):
     """A GitHub table; a dataset is named in its first line only."""
-    left = ("Dataset", "Method", "Policy", "Variant", "Truth", "Verdict")
+    left = ("Dataset", "Method", "Policy", "Variant", "Truth", "Verdict", "Step")
     rows = [titles, ["---" if title in left else "---:" for title in titles]]
     for before, line in zip([[""]] + lines, lines):
         rows.append([line[0] if line[0] != before[0] else "", *line[1:]])

@@ -23,8 +23,8 @@ struct ApartmentPair {
       mrpt::maps::transformOcTree(*apartment({0, 0, 0}, {65, 69, 25}), T_a_w, resolution);
   const std::unique_ptr<octomap::OcTree> map_b =
       mrpt::maps::transformOcTree(*apartment({30, 0, 0}, {99, 69, 25}), T_b_w, resolution);
-  const MapFeatures a = computeFeatures(*map_a, EdgeParams());
-  const MapFeatures b = computeFeatures(*map_b, EdgeParams());
+  const MapFeatures a = computeFeatures(*map_a, MatchParams());
+  const MapFeatures b = computeFeatures(*map_b, MatchParams());
 };
 
 }  // namespace mrpt::fusion::test

@@ -56,8 +56,13 @@ std::unique_ptr<octomap::OcTree> airAndWall() {
       .pruned();
 }
 
+FreeSpaceCheck check(const OccupiedVoxels& scene, const Eigen::Isometry3d& T) {
+  const auto model = airAndWall();
+  return checkFreeSpace(*model, VoxelBlocks(extractOccupiedVoxels(*model).key), scene, T);
+}
+
 FreeSpaceCheck checkAt(const std::vector<Cell>& cells, const Eigen::Isometry3d& T = kIdentity) {
-  return checkFreeSpace(*airAndWall(), voxelsAt(cells, 0.1), T);
+  return check(voxelsAt(cells, 0.1), T);
 }
 
 void expectCheck(const FreeSpaceCheck& check, size_t agreeing, size_t conflicting) {
@@ -96,9 +101,9 @@ TEST(FreeSpace, IsLookedUpWhereThePosePutsTheObstacle) {
   OccupiedVoxels scene;
   scene.centre = {wall.cast<float>(), air.cast<float>(), air.cast<float>()};
   scene.probability.assign(3, 0.9F);
-  const FreeSpaceCheck check = checkFreeSpace(*airAndWall(), scene, T);
-  expectCheck(check, 1, 2);
-  EXPECT_DOUBLE_EQ(check.conflictRatio(), 2 / 3.0);
+  const FreeSpaceCheck found = check(scene, T);
+  expectCheck(found, 1, 2);
+  EXPECT_DOUBLE_EQ(found.conflictRatio(), 2 / 3.0);
 }
 
 // ---------------------------------------------------------------- the verdict

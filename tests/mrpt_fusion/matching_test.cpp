@@ -79,30 +79,58 @@ TEST_F(Matching, WithoutSearchIsThatOfTheTwoLevels) {
 }
 
 TEST_F(Matching, ThinnedOutMapsHaveOneVoxelOfEachCube) {
-  const MapFeatures& all = fineMaps().a;
-  const MapFeatures few = thinOut(all, 0.4);
+  const OccupiedVoxels& all = fineMaps().a.voxels;
+  const Thinned few = thinOut(all, 0.4);
   using Cube = std::array<int, 3>;
   const auto cubeOf = [](const octomap::OcTreeKey& k) {
     return Cube{k[0] / 4, k[1] / 4, k[2] / 4};
   };
-  std::map<Cube, size_t> best;  // by hand: in each cube the most probable, one with a normal first
-  for (size_t i = 0; i < all.voxels.size(); i++) {
-    const auto rank = [&](size_t j) {
-      return std::pair(!all.surfaces.normal[j].isZero(), all.voxels.probability[j]);
-    };
-    const auto [it, is_first] = best.try_emplace(cubeOf(all.voxels.key[i]), i);
-    if (!is_first && rank(i) > rank(it->second)) it->second = i;
+  std::map<Cube, size_t> best;  // by hand: in each cube the most probable
+  std::map<Cube, int> count;
+  for (size_t i = 0; i < all.size(); i++) {
+    const auto [it, is_first] = best.try_emplace(cubeOf(all.key[i]), i);
+    if (!is_first && all.probability[i] > all.probability[it->second]) it->second = i;
+    count[it->first]++;
   }
-  ASSERT_EQ(few.voxels.size(), best.size());
-  for (size_t i = 0; i < few.voxels.size(); i++) {
-    const size_t j = best.at(cubeOf(few.voxels.key[i]));
-    EXPECT_EQ(few.voxels.key[i], all.voxels.key[j]);
-    EXPECT_EQ(few.voxels.centre[i], all.voxels.centre[j]);
-    EXPECT_EQ(few.voxels.probability[i], all.voxels.probability[j]);
-    EXPECT_EQ(few.surfaces.normal[i], all.surfaces.normal[j]);
-    EXPECT_EQ(few.surfaces.point[i], all.surfaces.point[j]);
+  ASSERT_EQ(few.index.size(), best.size());
+  EXPECT_TRUE(std::is_sorted(few.index.begin(), few.index.end()));
+  for (size_t k = 0; k < few.index.size(); k++) {
+    const Cube cube = cubeOf(all.key[few.index[k]]);
+    EXPECT_EQ(few.index[k], best.at(cube));
+    EXPECT_EQ(few.weight[k], count.at(cube));
   }
-  EXPECT_EQ(thinOut(all, 0.1).voxels.size(), all.voxels.size());
+  EXPECT_EQ(thinOut(all, 0.1).index.size(), all.size());
+}
+
+TEST_F(Matching, ThinningTakesTheVoxelThatIsAskedFor) {
+  const OccupiedVoxels& all = fineMaps().a.voxels;
+  const Thinned last = thinOut(all, 0.4, [](uint32_t, uint32_t) { return true; });
+  ASSERT_GT(last.index.size(), 100U);
+  size_t end = 0;  // where the cube after each one begins
+  for (size_t k = 0; k < last.index.size(); k++) {
+    end += static_cast<size_t>(last.weight[k]);
+    EXPECT_EQ(last.index[k], end - 1);
+  }
+  EXPECT_EQ(end, all.size());
+}
+
+TEST_F(Matching, FeaturesAreOfTheThinnedVoxels) {
+  const MapFeatures& f = fineMaps().a;
+  const Thinned kept = thinOut(f.voxels, params.voxel_spacing);
+  const Surfaces all = computeSurfaces(f.voxels, params.edges);
+  ASSERT_EQ(f.matched.voxels.size(), kept.index.size());
+  ASSERT_LT(kept.index.size(), f.voxels.size() / 2);
+  EXPECT_EQ(f.matched.surfaces.weight, kept.weight);
+  for (size_t k = 0; k < kept.index.size(); k++) {
+    EXPECT_EQ(f.matched.voxels.key[k], f.voxels.key[kept.index[k]]);
+    EXPECT_EQ(f.matched.voxels.centre[k], f.voxels.centre[kept.index[k]]);
+    EXPECT_EQ(f.matched.voxels.probability[k], f.voxels.probability[kept.index[k]]);
+    EXPECT_EQ(f.matched.surfaces.normal[k], all.normal[kept.index[k]]);
+    EXPECT_EQ(f.matched.surfaces.point[k], all.point[kept.index[k]]);
+  }
+  MatchParams all_voxels = params;
+  all_voxels.voxel_spacing = 0;
+  EXPECT_EQ(computeFeatures(*fineMaps().map_a, all_voxels).matched.voxels.size(), f.voxels.size());
 }
 
 TEST_F(Matching, ThinnedOutMapsHaveOneVoxelOfEachCubeOfAPrunedLeaf) {
@@ -110,7 +138,7 @@ TEST_F(Matching, ThinnedOutMapsHaveOneVoxelOfEachCubeOfAPrunedLeaf) {
   const auto tree =
       MapWriter(0.1).box({0, 0, 0}, {7, 7, 7}, kOccupied).voxel({9, 1, 1}, kOccupied).pruned();
   EXPECT_EQ(tree->getNumLeafNodes(), 2U);
-  EXPECT_EQ(thinOut(computeFeatures(*tree, params.edges), 0.4).voxels.size(), 9U);
+  EXPECT_EQ(thinOut(extractOccupiedVoxels(*tree), 0.4).index.size(), 9U);
 }
 
 TEST_F(Matching, RecordsThePoseThatEachIterationReached) {
@@ -120,10 +148,11 @@ TEST_F(Matching, RecordsThePoseThatEachIterationReached) {
 }
 
 TEST_F(Matching, AgreementIsHighestAtTheTruth) {
-  const double best = agreement(maps().a, maps().b, truth);
+  const auto& [a, b] = std::tie(maps().a, maps().b);
+  const double best = agreement(a, a.voxels, b, b.voxels, truth);
   for (const auto& off : {poseOf(0.5, 0, 0, 0), poseOf(0, -0.5, 0, 0), poseOf(0, 0, 0.4, 0),
                           poseOf(0, 0, 0, 5), poseOf(2, 1, 0, 10), poseOf(40, 0, 0, 0)})
-    EXPECT_LT(agreement(maps().a, maps().b, truth * off), best) << off.matrix();
+    EXPECT_LT(agreement(a, a.voxels, b, b.voxels, truth * off), best) << off.matrix();
 }
 
 TEST_F(Matching, AsPublishedSucceedsByThePapersOwnCriterion) {
@@ -179,7 +208,7 @@ Eigen::Isometry3d gridMotion(double x, double y, double z) {
 struct MovedMap {
   MovedMap(const octomap::OcTree& source, const Eigen::Isometry3d& M)
       : map(mrpt::maps::transformOcTree(source, M, source.getResolution())),
-        features(computeFeatures(*map, EdgeParams())) {}
+        features(computeFeatures(*map, MatchParams())) {}
 
   std::unique_ptr<octomap::OcTree> map;
   MapFeatures features;
@@ -311,7 +340,7 @@ TEST_F(Matching, WithoutPairsClaimsNoCertainty) {
 }
 
 TEST_F(Matching, OfEmptyMapsReturnsTheGuess) {
-  const MapFeatures empty = computeFeatures(octomap::OcTree(0.1), params.edges);
+  const MapFeatures empty = computeFeatures(octomap::OcTree(0.1), params);
   for (const auto& [a, b] : {std::pair{&empty, &empty}, {&maps().a, &empty}, {&empty, &maps().b}}) {
     const MatchResult r = matchMaps(*a, *b, guess, params);
     EXPECT_EQ(r.T_a_b.matrix(), guess.matrix());
@@ -330,8 +359,8 @@ TEST_F(Matching, WithoutEdgesGoesByVoxels) {
 
 TEST_F(Matching, IsTheSameForAnyNumberOfThreads) {
   const auto match = [&] {
-    return matchMaps(computeFeatures(*maps().map_a, params.edges),
-                     computeFeatures(*maps().map_b, params.edges), guess, params);
+    return matchMaps(computeFeatures(*maps().map_a, params), computeFeatures(*maps().map_b, params),
+                     guess, params);
   };
   expectIdentical(withThreads(1, match), withThreads(2, match));
 }
@@ -376,8 +405,8 @@ TEST(MatchingOfRobotMaps, ComesBackToTheTruth) {
 
   const auto map_a = mapOf(a), map_b = mapOf(b);
   const MatchParams params{};
-  const MapFeatures features_a = computeFeatures(*map_a, params.edges);
-  const MapFeatures features_b = computeFeatures(*map_b, params.edges);
+  const MapFeatures features_a = computeFeatures(*map_a, params);
+  const MapFeatures features_b = computeFeatures(*map_b, params);
   for (const auto& off : {poseOf(0.4, -0.3, 0.1, 5), poseOf(-0.5, 0.2, -0.1, -6, 2, 1)}) {
     const MatchResult r = matchTwoLevel(features_a, features_b, truth * off, params);
     EXPECT_LT(metresBetween(r.T_a_b, truth), 0.1);

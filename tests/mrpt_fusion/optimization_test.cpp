@@ -57,8 +57,12 @@ class Optimization : public testing::Test {
     return linearizeVoxels(model, scene, pairs, T);
   }
   NormalEquations surfacesAt(const Eigen::Isometry3d& T, double flatness = 0.05) const {
-    return linearizeSurfaces(model, {model_normals, model.centre}, scene,
-                             {scene_normals, scene.centre}, pairs, T, flatness);
+    return linearizeSurfaces(model, surfacesOf(model, model_normals), scene,
+                             surfacesOf(scene, scene_normals), pairs, T, flatness);
+  }
+  static Surfaces surfacesOf(const OccupiedVoxels& voxels,
+                             const std::vector<Eigen::Vector3f>& normals) {
+    return {normals, voxels.centre, {}, std::vector<float>(voxels.size(), 1)};
   }
   NormalEquations edgesAt(const Eigen::Isometry3d& T,
                           VoxelCovariance kind = VoxelCovariance::Quantisation) const {
@@ -190,11 +194,29 @@ TEST_F(Optimization, SurfaceGradientIsThatOfTheErrorWithItsWeightsHeld) {
   const NormalEquations n = surfacesAt(T);
   const ErrorAt held = withWeightsHeldAt(
       T, pairs, model.centre, scene.centre, [&](const Pairs& p, const Eigen::Isometry3d& at) {
-        return linearizeSurfaces(model, {model_normals, model.centre}, scene,
-                                 {scene_normals, scene.centre}, p, at, 0.05);
+        return linearizeSurfaces(model, surfacesOf(model, model_normals), scene,
+                                 surfacesOf(scene, scene_normals), p, at, 0.05);
       });
   ASSERT_NEAR(held(T), n.error, 1e-9 * n.error);
   EXPECT_TRUE((-2 * n.g).isApprox(numericGradient(held, T, n.centre), 1e-6));
+}
+
+TEST_F(Optimization, ASurfaceOfWeightThreeCountsAsThree) {
+  addPairs(5, 0.3);
+  Surfaces of_scene = surfacesOf(scene, scene_normals);
+  of_scene.weight[2] = 3;
+  Pairs repeated = pairs;
+  repeated.push_back(pairs[2]);
+  repeated.push_back(pairs[2]);
+  const Surfaces of_model = surfacesOf(model, model_normals);
+  const NormalEquations weighted =
+      linearizeSurfaces(model, of_model, scene, of_scene, pairs, T_a_b, 0.05);
+  const NormalEquations thrice = linearizeSurfaces(
+      model, of_model, scene, surfacesOf(scene, scene_normals), repeated, T_a_b, 0.05);
+  EXPECT_NEAR(weighted.error, thrice.error, 1e-9 * thrice.error);
+  // Of the rest only what does not hang on the centre, the mean of the pairs.
+  EXPECT_TRUE((weighted.H.topLeftCorner<3, 3>()).isApprox(thrice.H.topLeftCorner<3, 3>(), 1e-9));
+  EXPECT_TRUE((weighted.g.head<3>()).isApprox(thrice.g.head<3>(), 1e-9));
 }
 
 TEST_F(Optimization, SurfaceErrorByHand) {

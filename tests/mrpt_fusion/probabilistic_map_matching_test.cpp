@@ -56,6 +56,9 @@ std::vector<Number> numbersOf(Options& o) {
           {"alpha_max_deg", &e.alpha_max, 104},
           {"outlier_deviations", &e.outlier_deviations, 2.25},
           {"direction_radius", &e.direction_radius, 0.55},
+          {"min_surface_variation", &e.min_surface_variation, 0.05},
+          {"trace_window_deg", &e.trace_window, 45},
+          {"voxel_spacing", &match.voxel_spacing, 0.3},
           {"search_translation", &match.search.translation, 1.5},
           {"search_height", &match.search.height, 0.4},
           {"search_yaw_deg", &match.search.yaw, 33},
@@ -76,6 +79,7 @@ std::vector<Number> numbersOf(Options& o) {
 }
 std::vector<Count> countsOf(Options& o) {
   return {{"outlier_neighbours", &o.match.edges.outlier_neighbours, 9},
+          {"solver_steps", &o.match.solver.max_steps, 4},
           {"search_hypotheses", &o.match.search.hypotheses, 5},
           {"edge_iterations", &o.match.edge_level.max_iterations, 17},
           {"voxel_iterations", &o.match.voxel_level.max_iterations, 23}};

@@ -21,6 +21,10 @@ class Search : public testing::Test {
         extractOccupiedVoxels(*apartment({30, 0, 0}, {99, 69, 25}));
     return voxels;
   }
+  std::vector<Hypothesis> search(const octomap::OcTree& map, const OccupiedVoxels& of_scene,
+                                 const Eigen::Isometry3d& guess, const SearchParams& p) const {
+    return searchAround(map, extractOccupiedVoxels(map), of_scene, guess, p);
+  }
   /** Turned about the middle of the scene, as the search turns it. */
   static Eigen::Isometry3d offBy(double x, double y, double yaw) {
     const Eigen::Vector3d middle(6.5, 3.5, 1.3);
@@ -32,7 +36,7 @@ class Search : public testing::Test {
 
 TEST_F(Search, BestHypothesisIsWithinACellOfTheTruth) {
   for (const auto& guess : {offBy(0, 0, 0), offBy(2, -1.5, 12), offBy(-1.2, 2.2, -18)}) {
-    const auto found = searchAround(model(), scene(), guess, params);
+    const auto found = search(model(), scene(), guess, params);
     ASSERT_FALSE(found.empty());
     const Eigen::Vector3d middle(6.5, 3.5, 1.3);
     EXPECT_LT((found[0].T_a_b * middle - middle).norm(), 1.5 * params.cell);
@@ -43,7 +47,7 @@ TEST_F(Search, BestHypothesisIsWithinACellOfTheTruth) {
 TEST_F(Search, GivesSoManyDistinctHypothesesBestFirst) {
   SearchParams five = params;
   five.hypotheses = 5;
-  const auto found = searchAround(model(), scene(), offBy(1, 1, 5), five);
+  const auto found = search(model(), scene(), offBy(1, 1, 5), five);
   ASSERT_EQ(found.size(), 5);
   for (size_t i = 1; i < found.size(); i++) {
     EXPECT_GE(found[i - 1].score, found[i].score);
@@ -70,7 +74,7 @@ TEST_F(Search, SeenFreeSpaceCountsAgainstAPose) {
   SearchParams no_turns = params;
   no_turns.yaw = 0;
   no_turns.height = 0;
-  const auto found = searchAround(*with_air, wall, kIdentity, no_turns);
+  const auto found = search(*with_air, wall, kIdentity, no_turns);
   ASSERT_FALSE(found.empty());
   EXPECT_NEAR(found[0].T_a_b.translation().x(), -1.3, 0.3);
 }
@@ -78,17 +82,17 @@ TEST_F(Search, SeenFreeSpaceCountsAgainstAPose) {
 TEST_F(Search, WithNothingToSearchGivesNone) {
   SearchParams off = params;
   off.translation = 0;
-  EXPECT_TRUE(searchAround(model(), scene(), kIdentity, off).empty());
+  EXPECT_TRUE(search(model(), scene(), kIdentity, off).empty());
   off = params;
   off.hypotheses = 0;
-  EXPECT_TRUE(searchAround(model(), scene(), kIdentity, off).empty());
-  EXPECT_TRUE(searchAround(octomap::OcTree(0.1), scene(), kIdentity, params).empty());
-  EXPECT_TRUE(searchAround(model(), OccupiedVoxels(), kIdentity, params).empty());
+  EXPECT_TRUE(search(model(), scene(), kIdentity, off).empty());
+  EXPECT_TRUE(search(octomap::OcTree(0.1), scene(), kIdentity, params).empty());
+  EXPECT_TRUE(search(model(), OccupiedVoxels(), kIdentity, params).empty());
 }
 
 TEST_F(Search, IsTheSameForAnyNumberOfThreads) {
-  const auto search = [&] { return searchAround(model(), scene(), offBy(1, 1, 5), params); };
-  const auto one = withThreads(1, search), two = withThreads(2, search);
+  const auto search_it = [&] { return search(model(), scene(), offBy(1, 1, 5), params); };
+  const auto one = withThreads(1, search_it), two = withThreads(2, search_it);
   ASSERT_EQ(one.size(), two.size());
   for (size_t i = 0; i < one.size(); i++) {
     EXPECT_EQ(one[i].T_a_b.matrix(), two[i].T_a_b.matrix());
@@ -100,7 +104,7 @@ TEST_F(Search, TwoFarApartPiecesOfAMapDoNotTakeTheMemoryOfAllBetween) {
   // A stray return 3 km off: a dense grid of 0.3 m over it all would be terabytes.
   octomap::OcTree stray(model());
   for (const float far : {-3000.F, 3000.F}) stray.updateNode(far, far, far, true);
-  const auto found = searchAround(stray, scene(), offBy(1, 1, 5), params);
+  const auto found = search(stray, scene(), offBy(1, 1, 5), params);
   ASSERT_FALSE(found.empty());
   EXPECT_LT(degreesBetween(found[0].T_a_b, kIdentity), 5);
 }

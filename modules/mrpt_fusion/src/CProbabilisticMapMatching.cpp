@@ -50,9 +50,14 @@ std::vector<Entry> entriesOf(CProbabilisticMapMatching::TConfigParams& o) {
       "Least r_N of the mean angle cost, voxels");
   add("max_surface_variation", e.max_surface_variation, 0, 1.0 / 3 + 1e-9,
       "Largest lambda_3 / (lambda_1+lambda_2+lambda_3) of a voxel with a normal; 1/3: any");
+  add("min_surface_variation", e.min_surface_variation, 0, 1.0 / 3,
+      "Least lambda_3 / (lambda_1+lambda_2+lambda_3) of an edge candidate");
   add("kappa", e.kappa, 0, 1, "Least mean angle cost of an edge candidate (Table I: 0.5)");
   add("trace_distance", e.trace_distance, 0, 100, "d_T of the walks along the surface, m");
   add("trace_step_deg", e.trace_step_angle, 0.1, 180, "Angle delta between walks, deg", deg);
+  add("trace_window_deg", e.trace_window, 0, 90,
+      "Walks leave across the edge, up to this far to either side, and along it; 90: anywhere, deg",
+      deg);
   add("alpha_min_deg", e.alpha_min, 0, 180, "Least angle between two walks at an edge, deg", deg);
   add("alpha_max_deg", e.alpha_max, 0, 180, "Largest angle between two walks at an edge, deg", deg);
   add("outlier_neighbours", e.outlier_neighbours, 1, 1000,
@@ -63,6 +68,8 @@ std::vector<Entry> entriesOf(CProbabilisticMapMatching::TConfigParams& o) {
   add("direction_radius", e.direction_radius, 0, 100,
       "Of the edge voxels that make an edge's covariance, eq. (6), m");
   auto& m = o.match;
+  add("voxel_spacing", m.voxel_spacing, 0, 1000,
+      "Match by one voxel in each cube of the octree at least this wide, m; 0: by all");
   add("search_translation", m.search.translation, 0, 1000,
       "Half width of the search around the guess in x and y, m; 0: start at the guess alone");
   add("search_height", m.search.height, 0, 1000, "Half width of the search in z, m");
@@ -84,6 +91,8 @@ std::vector<Entry> entriesOf(CProbabilisticMapMatching::TConfigParams& o) {
       "Of a piece of surface: variance across over variance along it (voxel_metric = surface)");
   add("voxel_iterations", m.voxel_level.max_iterations, 0, kInf,
       "Most iterations at the voxel level", count);
+  add("solver_steps", m.solver.max_steps, 1, kInf, "Levenberg-Marquardt steps for one set of pairs",
+      count);
   add("min_step_translation", m.min_step_translation, 0, kInf,
       "A level has converged when an iteration moves the pose by less, m");
   add("min_step_rotation_deg", m.min_step_rotation, 0, 180, "and by less, deg", deg);
@@ -242,6 +251,7 @@ CProbabilisticMapMatching::CProbabilisticMapMatching() {
 }
 
 EdgeVoxels CProbabilisticMapMatching::edges(const CMetricMap& map) const {
+  const mrpt::system::CTimeLoggerEntry timing(profiler, "edges");
   return extractEdges(extractOccupiedVoxels(octomapOf(map)->octree()), options.match.edges);
 }
 
@@ -253,8 +263,9 @@ mrpt::poses::CPose3DPDF::Ptr CProbabilisticMapMatching::Align3DPDF(
   const auto a = octomapOf(*m1), b = octomapOf(*m2);
   mrpt::system::CTicTac clock, total;
   TReturnInfo info;
-  const MapFeatures fa = computeFeatures(a->octree(), options.match.edges);
-  const MapFeatures fb = computeFeatures(b->octree(), options.match.edges);
+  profiler.enter("features");
+  const auto [fa, fb] = computeFeatures(a->octree(), b->octree(), options.match);
+  profiler.leave("features");
   ASSERTMSG_(fa.voxels.size() > 0, "CProbabilisticMapMatching: map m1 has no occupied voxel");
   ASSERTMSG_(fb.voxels.size() > 0, "CProbabilisticMapMatching: map m2 has no occupied voxel");
   info.voxels_m1 = fa.voxels.size();
@@ -263,12 +274,16 @@ mrpt::poses::CPose3DPDF::Ptr CProbabilisticMapMatching::Align3DPDF(
   info.edges_m2 = fb.edges.size();
   info.seconds_features = secondsSince(clock);
 
+  profiler.enter("match");
   info.match = matchMaps(fa, fb, toEigen(initialEstimationPDF.mean), options.match, onIteration);
+  profiler.leave("match");
   info.nIterations = static_cast<unsigned>(info.match.iterations.size());
   info.seconds_matching = secondsSince(clock);
 
+  profiler.enter("evaluate");
   info.evaluation = evaluateMatch(a->octree(), fa.voxels, b->octree(), fb.voxels, info.match.pairs,
                                   info.match.T_a_b, options.evaluation);
+  profiler.leave("evaluate");
   info.seconds_evaluation = secondsSince(clock);
   info.executionTime = total.Tac();
   MRPT_LOG_DEBUG_FMT("%u iterations, %zu pairs, %s", info.nIterations, info.match.pairs.size(),
@@ -300,6 +315,7 @@ mrpt::poses::CPosePDF::Ptr CProbabilisticMapMatching::AlignPDF(
 CProbabilisticMapMatching::TReturnInfo CProbabilisticMapMatching::evaluate(
     const CMetricMap& m1, const CMetricMap& m2, const CPose3D& pose) const {
   const auto a = octomapOf(m1), b = octomapOf(m2);
+  const mrpt::system::CTimeLoggerEntry timing(profiler, "evaluate");
   mrpt::system::CTicTac clock;
   const OccupiedVoxels va = extractOccupiedVoxels(a->octree());
   const OccupiedVoxels vb = extractOccupiedVoxels(b->octree());
@@ -316,6 +332,7 @@ CProbabilisticMapMatching::TReturnInfo CProbabilisticMapMatching::evaluate(
 
 CProbOctoMap CProbabilisticMapMatching::merge(const CMetricMap& m1, const CMetricMap& m2,
                                               const CPose3D& pose) const {
+  const mrpt::system::CTimeLoggerEntry timing(profiler, "merge");
   return CProbOctoMap(
       mergeMaps(octomapOf(m1)->octree(), octomapOf(m2)->octree(), toEigen(pose), options.merge));
 }

@@ -6,6 +6,7 @@
 
 #include "kd_tree.h"
 #include "parallel.h"
+#include "voxel_search.h"
 
 namespace mrpt::fusion {
 
@@ -43,11 +44,14 @@ namespace {
 
 constexpr uint32_t kUnpaired = ~uint32_t{0};
 
-/** Associates each of n scene voxels by itself, in parallel; keeps those that found a partner. */
+/** Associates each of n scene voxels, or of those among some pairs, by itself, in parallel; keeps
+ * those that found a partner. */
 template <class FindModel>
-Pairs associateEach(size_t n, FindModel&& find) {
-  Pairs pairs(n);
-  forEachIndex(n, kGrain, [&](size_t i) { pairs[i] = find(static_cast<uint32_t>(i)); });
+Pairs associateEach(size_t n, const Pairs* among, FindModel&& find) {
+  Pairs pairs(among ? among->size() : n);
+  forEachIndex(pairs.size(), kGrain, [&](size_t i) {
+    pairs[i] = find(among ? (*among)[i].scene : static_cast<uint32_t>(i));
+  });
   pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
                              [](const Pair& p) { return p.model == kUnpaired; }),
               pairs.end());
@@ -57,32 +61,44 @@ Pairs associateEach(size_t n, FindModel&& find) {
 }  // namespace
 
 struct VoxelAssociation::Impl {
-  KdTree<4> tree;
+  explicit Impl(const OccupiedVoxels& m) : model(m), search(m.centre, m.resolution) {}
+
+  const OccupiedVoxels& model;
+  VoxelSearch search;
+  std::vector<uint32_t> last;  // the partner of each scene voxel: likely to be it again
 };
 
-VoxelAssociation::VoxelAssociation(const OccupiedVoxels& model) {
-  std::vector<KdTree<4>::Descriptor> descriptors(model.size());
-  for (size_t i = 0; i < model.size(); i++) {
-    const auto& c = model.centre[i];
-    descriptors[i] = {c.x(), c.y(), c.z(), model.probability[i]};
-  }
-  impl_.reset(new Impl{KdTree<4>(std::move(descriptors))});
-}
+VoxelAssociation::VoxelAssociation(const OccupiedVoxels& model) : impl_(new Impl(model)) {}
 VoxelAssociation::~VoxelAssociation() = default;
 VoxelAssociation::VoxelAssociation(VoxelAssociation&&) noexcept = default;
 
 Pairs VoxelAssociation::associate(const OccupiedVoxels& scene, const Eigen::Isometry3d& T_a_b,
-                                  const DescriptorWeights& weights, double gate) {
+                                  const DescriptorWeights& weights, double gate,
+                                  const Pairs* among) {
   const Eigen::Isometry3f T = T_a_b.cast<float>();
   const auto gate2 = static_cast<float>(gate * gate);
-  impl_->tree.setWeights({1, 1, 1, static_cast<float>(weights.omega_o)});
-  return associateEach(scene.size(), [&](uint32_t i) {
+  const auto w_o = static_cast<float>(weights.omega_o);
+  const OccupiedVoxels& model = impl_->model;
+  std::vector<uint32_t>& last = impl_->last;
+  impl_->search.prepare(gate);
+  if (last.size() != scene.size()) last.assign(scene.size(), VoxelSearch::kNone);
+  return associateEach(scene.size(), among, [&](uint32_t i) {
     const Eigen::Vector3f p = T * scene.centre[i];
-    const auto match =
-        impl_->tree.nearestWithin({p.x(), p.y(), p.z(), scene.probability[i]}, gate2);
-    if (!match) return Pair{kUnpaired, i, 0};
-    const auto& m = impl_->tree.point(match->index);
-    return Pair{match->index, i, (Eigen::Vector3f(m[0], m[1], m[2]) - p).squaredNorm()};
+    const float probability = scene.probability[i];
+    const auto distance = [&](uint32_t m) {
+      const float dp = model.probability[m] - probability;
+      return (model.centre[m] - p).squaredNorm() + w_o * dp * dp;
+    };
+    VoxelSearch::Nearest best{VoxelSearch::kNone, gate2};
+    uint32_t& partner = last[i];
+    if (partner != VoxelSearch::kNone) {
+      const float again = distance(partner);
+      if (again < gate2) best = {partner, again};
+    }
+    best = impl_->search.nearest(p, best, distance);
+    partner = best.index;
+    if (partner == VoxelSearch::kNone) return Pair{kUnpaired, i, 0};
+    return Pair{partner, i, (model.centre[partner] - p).squaredNorm()};
   });
 }
 
@@ -103,13 +119,14 @@ EdgeAssociation::~EdgeAssociation() = default;
 EdgeAssociation::EdgeAssociation(EdgeAssociation&&) noexcept = default;
 
 Pairs EdgeAssociation::associate(const EdgeVoxels& scene, const Eigen::Isometry3d& T_a_b,
-                                 const DescriptorWeights& weights, double gate) {
+                                 const DescriptorWeights& weights, double gate,
+                                 const Pairs* among) {
   const Eigen::Isometry3f T = T_a_b.cast<float>();
   const auto gate2 = static_cast<float>(gate * gate);
   const auto w_o = static_cast<float>(weights.omega_o);
   const auto w_tau = static_cast<float>(weights.omega_tau);
   impl_->tree.setWeights({1, 1, 1, w_o, w_tau, w_tau, w_tau});
-  return associateEach(scene.size(), [&](uint32_t i) {
+  return associateEach(scene.size(), among, [&](uint32_t i) {
     const Eigen::Vector3f p = T * scene.centre[i];
     const Eigen::Vector3f tau = T.linear() * scene.covariance[i].direction().cast<float>();
     auto match = impl_->tree.nearestWithin(

@@ -5,7 +5,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "kd_tree.h"
@@ -18,240 +17,304 @@ double radiusInVoxels(double radius, double min_voxels, double resolution) {
   return std::max(radius / resolution, min_voxels);
 }
 
-/** Blocks of voxels per task. */
-constexpr size_t kBlockGrain = 64;
+VoxelBlocks::Place placeOf(const octomap::OcTreeKey& key) { return {key[0], key[1], key[2]}; }
 
-/** Calls `visit(i, neighbours)` for each voxel, see VoxelBlocks::forEachVoxel(), in parallel. */
-template <class Visit>
-void forEachVoxel(const VoxelBlocks& blocks, double radius, const Visit& visit) {
-  const VoxelBlocks::Ball ball(radius);
-  forEachIndex(blocks.size(), kBlockGrain,
-               [&](size_t block) { blocks.forEachVoxel(block, ball, visit); });
+/** Mean and spread of a set of offsets. Sums of whole numbers are exact, whatever their order. */
+class Moments {
+ public:
+  void add(const VoxelBlocks::Offset& o) {
+    const int x = o[0], y = o[1], z = o[2];
+    n_++;
+    x_ += x;
+    y_ += y;
+    z_ += z;
+    xx_ += x * x;
+    xy_ += x * y;
+    xz_ += x * z;
+    yy_ += y * y;
+    yz_ += y * z;
+    zz_ += z * z;
+  }
+  size_t size() const { return static_cast<size_t>(n_); }
+  Eigen::Vector3d mean() const {
+    return Eigen::Vector3d(static_cast<double>(x_), static_cast<double>(y_),
+                           static_cast<double>(z_)) /
+           static_cast<double>(n_);
+  }
+  Eigen::Matrix3d covariance() const {
+    const auto xx = static_cast<double>(xx_), xy = static_cast<double>(xy_),
+               xz = static_cast<double>(xz_), yy = static_cast<double>(yy_),
+               yz = static_cast<double>(yz_), zz = static_cast<double>(zz_);
+    Eigen::Matrix3d squares;
+    squares << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+    const Eigen::Vector3d m = mean();
+    return squares / static_cast<double>(n_) - m * m.transpose();
+  }
+
+ private:
+  int64_t n_ = 0, x_ = 0, y_ = 0, z_ = 0, xx_ = 0, xy_ = 0, xz_ = 0, yy_ = 0, yz_ = 0, zz_ = 0;
+};
+
+Moments momentsAround(const VoxelBlocks& blocks, const VoxelBlocks::Ball& ball,
+                      const octomap::OcTreeKey& key) {
+  Moments moments;
+  blocks.forEachAround(placeOf(key), ball,
+                       [&](uint32_t, const VoxelBlocks::Offset& o) { moments.add(o); });
+  return moments;
+}
+
+/** Eq. (5) for one voxel that has a normal: \a near are those around it, itself included. */
+float angleCost(const VoxelBlocks& near, const VoxelBlocks::Ball& ball,
+                const octomap::OcTreeKey& key, const Eigen::Vector3f& normal,
+                const std::vector<Eigen::Vector3f>& normals) {
+  float sum = 0;
+  int n = 0;
+  near.forEachAround(placeOf(key), ball, [&](uint32_t j, const VoxelBlocks::Offset&) {
+    const Eigen::Vector3f& other = normals[j];
+    if (other.isZero(0)) return;
+    sum += other.cross(normal).norm();
+    n++;
+  });
+  return sum / static_cast<float>(n);
+}
+
+/** The direction in a voxel's tangent plane in which the normals around it vary most: across the
+ * edge, if it lies on one. Unit vector. */
+Eigen::Vector3f acrossEdge(const VoxelBlocks& near, const VoxelBlocks::Ball& ball,
+                           const octomap::OcTreeKey& key, const Eigen::Vector3f& normal,
+                           const std::vector<Eigen::Vector3f>& normals) {
+  const Eigen::Vector3f u = normal.unitOrthogonal(), v = normal.cross(u);
+  float uu = 0, uv = 0, vv = 0;
+  near.forEachAround(placeOf(key), ball, [&](uint32_t j, const VoxelBlocks::Offset&) {
+    const float a = normals[j].dot(u), b = normals[j].dot(v);
+    uu += a * a;
+    uv += a * b;
+    vv += b * b;
+  });
+  const float angle = 0.5F * std::atan2(2 * uv, uu - vv);
+  return std::cos(angle) * u + std::sin(angle) * v;
 }
 
 /** Walks along the surface around one voxel (Algorithm 1, lines 9-16).
  *
- * A walk stays in the slice through the voxel that its normal and the walk's first direction span:
- * there the surface is a curve, and following it is a walk from voxel to voxel that may turn a
- * right angle (from a wall onto the floor) but not back. Lengths in voxels. */
+ * A walk stays near the slice that the voxel's normal and the walk's first direction span: there
+ * the surface is a curve, and following it is a walk from voxel to voxel that may turn a right
+ * angle (from a wall onto the floor) but not back. Lengths in voxels, in the slice's coordinates:
+ * along the first direction, and above the voxel along its normal. */
 class SurfaceTracer {
  public:
-  explicit SurfaceTracer(double distance) : distance_(static_cast<float>(distance)) {}
+  SurfaceTracer(const VoxelBlocks& occupied, double distance)
+      : occupied_(occupied, static_cast<int>(std::ceil(distance + 2 * kMaxStep))),
+        distance_(static_cast<float>(distance)) {}
 
-  /** Goes to a voxel; \a neighbours are all that a walk from it can reach. */
-  template <class Neighbours>
-  void startFrom(const Neighbours& neighbours) {
-    for (auto* axis : {&x_, &y_, &z_}) axis->clear();
-    neighbours([&](uint32_t, const VoxelBlocks::Offset& o) {
-      x_.push_back(static_cast<float>(o[0]));
-      y_.push_back(static_cast<float>(o[1]));
-      z_.push_back(static_cast<float>(o[2]));
-    });
-  }
+  void moveTo(const octomap::OcTreeKey& voxel) { occupied_.moveTo(placeOf(voxel)); }
 
   /** The angle between the vectors to the ends of the walks that leave the voxel along \a tangent
    * and against it, rad; none if the surface ends before d_T on a side. */
-  std::optional<double> bend(const Eigen::Vector3f& tangent, const Eigen::Vector3f& normal) {
-    cutSlice(tangent, normal);
+  std::optional<float> bend(const Eigen::Vector3f& tangent, const Eigen::Vector3f& normal) {
+    tangent_ = tangent;
+    normal_ = normal;
+    lateral_ = normal.cross(tangent);
     const auto t1 = trace({1, 0});
     if (!t1) return std::nullopt;
     const auto t2 = trace({-1, 0});
     if (!t2) return std::nullopt;
-    return std::acos(std::clamp(static_cast<double>(t1->dot(*t2)), -1.0, 1.0));
+    return std::acos(std::clamp(t1->dot(*t2), -1.F, 1.F));
   }
 
  private:
-  static constexpr float kHalfSlice = 0.75F;  ///< slices this thick miss no voxel of a surface
-  static constexpr float kMinStep = 0.5F;
+  using Offset = VoxelBlocks::Offset;
   static constexpr float kMaxStep = 2.3F;      ///< across gaps of a sparsely seen surface
+  static constexpr float kMinStep = 0.5F;      ///< within the slice
   static constexpr float kMinForward = -0.1F;  ///< cosine of the sharpest turn in one step
+  static constexpr float kHalfSlice = 0.75F;   ///< slices this thick miss no voxel of a surface
+  static constexpr float kUnreachable = 1e9F;
 
-  /** The points near the plane that tangent and normal span, in its coordinates. */
-  void cutSlice(const Eigen::Vector3f& tangent, const Eigen::Vector3f& normal) {
-    const Eigen::Vector3f lateral = normal.cross(tangent);
-    const size_t n = x_.size();
-    cost_.resize(n);
-    slice_.resize(n);
-    along_.resize(n);
-    above_.resize(n);
-    const float *x = x_.data(), *y = y_.data(), *z = z_.data();
-    float* const distance = cost_.data();
-    const float lateral_x = lateral.x(), lateral_y = lateral.y(), lateral_z = lateral.z();
-    for (size_t i = 0; i < n; i++)
-      distance[i] = std::abs(x[i] * lateral_x + y[i] * lateral_y + z[i] * lateral_z);
-    slice_size_ = 0;
-    for (size_t i = 0; i < n; i++) {
-      slice_[slice_size_] = static_cast<uint32_t>(i);
-      slice_size_ += cost_[i] < kHalfSlice ? 1 : 0;
-    }
-    for (size_t k = 0; k < slice_size_; k++) {
-      const Eigen::Vector3f p(x_[slice_[k]], y_[slice_[k]], z_[slice_[k]]);
-      along_[k] = p.dot(tangent);
-      above_[k] = p.dot(normal);
-    }
-  }
+  struct Spot {
+    Offset offset;          ///< from the voxel that the walk started from
+    Eigen::Vector2f place;  ///< the same in the slice
+  };
 
-  /** TraceVectorAlongSurfaceVoxels: unit vector, in the slice, to where the walk is d_T away. */
-  std::optional<Eigen::Vector2f> trace(Eigen::Vector2f direction) {
-    Eigen::Vector2f at = Eigen::Vector2f::Zero();
+  /** TraceVectorAlongSurfaceVoxels: unit vector to where the walk is d_T away. */
+  std::optional<Eigen::Vector2f> trace(Eigen::Vector2f direction) const {
+    Spot at{{0, 0, 0}, {0, 0}};
     const int max_steps = 3 * static_cast<int>(distance_);
     for (int step = 0; step < max_steps; step++) {
-      if (at.norm() >= distance_ - 0.5F) return middleOfSurfaceAt(at).normalized();
-      const std::optional<Eigen::Vector2f> next = nextAfter(at, direction);
-      if (!next) return std::nullopt;
-      direction = (direction + 2 * (*next - at).normalized()).normalized();
-      at = *next;
+      if (at.place.squaredNorm() >= (distance_ - 0.5F) * (distance_ - 0.5F))
+        return middleOfSurfaceAt(at).normalized();
+      const Eigen::Vector2f before = at.place;
+      if (!stepAhead(at, direction) && !stepAcross(at, direction)) return std::nullopt;
+      direction = (direction + 2 * (at.place - before)).normalized();
     }
     return std::nullopt;  // going round in a clutter of voxels
   }
 
-  /** The voxel nearest to one step ahead, among those that a step reaches. */
-  std::optional<Eigen::Vector2f> nextAfter(const Eigen::Vector2f& at,
-                                           const Eigen::Vector2f& direction) {
-    constexpr float kUnreachable = 1e9F;
-    constexpr float kNearFirst = 1e-3F;  // of two as good, whatever their order
-    // Without branches and through plain pointers, for the compiler to vectorise.
-    const float *along = along_.data(), *above = above_.data();
-    float* const cost = cost_.data();
-    const float at_x = at.x(), at_y = at.y(), direction_x = direction.x(),
-                direction_y = direction.y();
-    for (size_t i = 0; i < slice_size_; i++) {
-      const float x = along[i] - at_x, y = above[i] - at_y;
-      const float length2 = x * x + y * y;
-      const float forward = x * direction_x + y * direction_y;
-      const float ahead_x = x - direction_x, ahead_y = y - direction_y;
-      const float backward = forward < 0 ? forward : 0;
-      const float ahead2 = ahead_x * ahead_x + ahead_y * ahead_y + kNearFirst * length2;
-      const bool reachable = (length2 >= kMinStep * kMinStep) & (length2 <= kMaxStep * kMaxStep) &
-                             (backward * backward <= kMinForward * kMinForward * length2);
-      cost[i] = reachable ? ahead2 : kUnreachable;
+  /** To the voxel nearest to one step ahead, if one of the eight around that place is there. */
+  bool stepAhead(Spot& at, const Eigen::Vector2f& direction) const {
+    const Eigen::Vector2f ahead = at.place + direction;
+    const Eigen::Vector3f target = ahead.x() * tangent_ + ahead.y() * normal_;
+    Offset low;
+    float squared[3][2];  // from the target to the lower and the upper voxels, along each axis
+    unsigned nearest = 0;
+    for (unsigned axis = 0; axis < 3; axis++) {
+      low[axis] = floorOf(target[axis]);
+      const float above = target[axis] - static_cast<float>(low[axis]);
+      squared[axis][0] = above * above;
+      squared[axis][1] = (1 - above) * (1 - above);
+      nearest |= (above > 0.5F ? 1U : 0U) << axis;
     }
-    size_t best = 0;
     float least = kUnreachable;
-    for (size_t i = 0; i < slice_size_; i++)
-      if (cost_[i] < least) {
-        least = cost_[i];
-        best = i;
-      }
-    if (least == kUnreachable) return std::nullopt;
-    return Eigen::Vector2f(along_[best], above_[best]);
+    Offset best{};
+    for (unsigned flips = 0; flips < 8; flips++) {  // the nearest first: mostly it is there
+      const unsigned corner = nearest ^ flips;
+      const unsigned x = corner & 1U, y = corner >> 1U & 1U, z = corner >> 2U;
+      const float distance = squared[0][x] + squared[1][y] + squared[2][z];
+      const Offset next{low[0] + static_cast<int>(x), low[1] + static_cast<int>(y),
+                        low[2] + static_cast<int>(z)};
+      if (distance >= least || !occupied_.has(next) || next == at.offset ||
+          std::abs(toVector(next).dot(lateral_)) > kHalfSlice)
+        continue;
+      least = distance;
+      best = next;
+      if (flips == 0) break;
+    }
+    if (least == kUnreachable) return false;
+    at = {best, inSlice(toVector(best))};
+    return true;
   }
 
-  /** The mean of the voxels about a place: a single one tells the surface to half a voxel only,
-   * which is 6 degrees of a walk of five. */
-  Eigen::Vector2f middleOfSurfaceAt(const Eigen::Vector2f& place) const {
+  /** Beside the way, round a corner or across a gap: to the voxel in the slice nearest to one step
+   * ahead, among all that a step reaches. */
+  bool stepAcross(Spot& at, const Eigen::Vector2f& direction) const {
+    float least = kUnreachable;
+    Spot best = at;
+    occupied_.forEachAround(at.offset, stepBall(), [&](const Offset& next) {
+      const Eigen::Vector3f offset = toVector(next);
+      if (std::abs(offset.dot(lateral_)) > kHalfSlice) return;
+      const Eigen::Vector2f place = inSlice(offset), way = place - at.place;
+      const float forward = way.dot(direction), squared_length = way.squaredNorm();
+      if (squared_length < kMinStep * kMinStep ||
+          (forward < 0 && forward * forward > kMinForward * kMinForward * squared_length))
+        return;
+      constexpr float kNearFirst = 1e-3F;  // of two as good, whatever their order
+      const float distance = (way - direction).squaredNorm() + kNearFirst * squared_length;
+      if (distance >= least) return;
+      least = distance;
+      best = {next, place};
+    });
+    at = best;
+    return least < kUnreachable;
+  }
+
+  /** The mean of the slice's voxels about a place: a single one tells the surface to half a voxel
+   * only, which is 6 degrees of a walk of five. */
+  Eigen::Vector2f middleOfSurfaceAt(const Spot& at) const {
     constexpr float kRadius2 = 1.6F * 1.6F;
     Eigen::Vector2f sum = Eigen::Vector2f::Zero();
     int n = 0;
-    for (size_t i = 0; i < slice_size_; i++) {
-      const Eigen::Vector2f q(along_[i], above_[i]);
-      if ((q - place).squaredNorm() <= kRadius2) {
-        sum += q;
-        n++;
-      }
-    }
+    occupied_.forEachAround(at.offset, stepBall(), [&](const Offset& near) {
+      const Eigen::Vector3f offset = toVector(near);
+      const Eigen::Vector2f place = inSlice(offset);
+      const bool itself = near == at.offset;
+      if (!itself && (std::abs(offset.dot(lateral_)) > kHalfSlice ||
+                      (place - at.place).squaredNorm() > kRadius2))
+        return;
+      sum += place;
+      n++;
+    });
     return sum / static_cast<float>(n);
   }
 
+  static Eigen::Vector3f toVector(const Offset& o) {
+    return {static_cast<float>(o[0]), static_cast<float>(o[1]), static_cast<float>(o[2])};
+  }
+  static const VoxelBlocks::Ball& stepBall() {
+    static const VoxelBlocks::Ball ball(kMaxStep);
+    return ball;
+  }
+  static int floorOf(float x) {
+    const int i = static_cast<int>(x);
+    return i - (x < static_cast<float>(i) ? 1 : 0);
+  }
+  Eigen::Vector2f inSlice(const Eigen::Vector3f& v) const {
+    return {v.dot(tangent_), v.dot(normal_)};
+  }
+
+  VoxelBlocks::Window occupied_;
   float distance_;
-  std::vector<float> x_, y_, z_;      // all points, from the voxel
-  std::vector<uint32_t> slice_;       // which of them are in the slice, the first slice_size_
-  std::vector<float> along_, above_;  // of the slice's, by tangent and normal
-  std::vector<float> cost_;
-  size_t slice_size_ = 0;
+  Eigen::Vector3f tangent_, normal_, lateral_;
 };
 
-/** Lines 9-20: whether the surface bends by an angle in the window at the tracer's voxel, in any
- * direction of its tangent plane. */
-bool isBend(SurfaceTracer& tracer, const Eigen::Vector3f& normal, const EdgeParams& params) {
-  const Eigen::Vector3f u = normal.unitOrthogonal();
-  const Eigen::Vector3f v = normal.cross(u);
-  const auto directions = std::lround(M_PI / params.trace_step_angle);
-  for (long i = 0; i < directions; i++) {  // at theta = pi the pair of theta = 0 comes again
-    const auto theta = static_cast<float>(M_PI * static_cast<double>(i) / directions);
-    const auto angle = tracer.bend(std::cos(theta) * u + std::sin(theta) * v, normal);
-    if (angle && *angle > params.alpha_min && *angle < params.alpha_max) return true;
+/** The directions of the walks, each with its opposite, in the tangent plane: x across the edge. */
+std::vector<Eigen::Vector2f> walkDirections(const EdgeParams& params) {
+  std::vector<Eigen::Vector2f> directions;
+  const auto add = [&](double angle) {
+    directions.emplace_back(static_cast<float>(std::cos(angle)),
+                            static_cast<float>(std::sin(angle)));
+  };
+  add(0);
+  constexpr double kRightAngle = M_PI / 2, kRounding = 1e-9;
+  double angle = params.trace_step_angle;
+  for (; angle <= params.trace_window + kRounding && angle < kRightAngle - kRounding;
+       angle += params.trace_step_angle) {
+    add(angle);
+    add(-angle);
   }
-  return false;
+  add(kRightAngle);
+  return directions;
 }
 
-/** Lines 2-6. */
-Surfaces surfacesOf(const OccupiedVoxels& voxels, const VoxelBlocks& blocks,
-                    const EdgeParams& params) {
-  const double radius =
-      radiusInVoxels(params.normal_radius, params.min_normal_radius_voxels, voxels.resolution);
-  Surfaces surfaces;
-  surfaces.normal.assign(voxels.size(), Eigen::Vector3f::Zero());
-  surfaces.point = voxels.centre;
-  forEachVoxel(blocks, radius, [&](uint32_t i, const auto& neighbours) {
-    // Sums of whole numbers are exact, whatever their order.
-    int n = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
-    neighbours([&](uint32_t, const VoxelBlocks::Offset& o) {
-      n++;
-      x += o[0];
-      y += o[1];
-      z += o[2];
-      xx += o[0] * o[0];
-      xy += o[0] * o[1];
-      xz += o[0] * o[2];
-      yy += o[1] * o[1];
-      yz += o[1] * o[2];
-      zz += o[2] * o[2];
-    });
-    const Eigen::Vector3d mean = Eigen::Vector3d(x, y, z) / n;
-    Eigen::Matrix3d squares;
-    squares << xx, xy, xz, xy, yy, yz, xz, yz, zz;
-    const Eigen::Matrix3d cov = squares / n - mean * mean.transpose();
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> pca;
-    pca.computeDirect(cov);
-    const auto& spread = pca.eigenvalues();
-    const bool has_plane =
-        spread[1] > 1e-6 && spread[0] <= params.max_surface_variation * spread.sum();
-    if (!has_plane) return;
-    const Eigen::Vector3d normal = pca.eigenvectors().col(0);
-    surfaces.normal[i] = normal.cast<float>();
-    surfaces.point[i] += (voxels.resolution * normal.dot(mean) * normal).cast<float>();
-  });
-  return surfaces;
-}
-
-/** Eq. (5). */
-std::vector<float> angleCostsOf(const OccupiedVoxels& voxels, const VoxelBlocks& blocks,
-                                const std::vector<Eigen::Vector3f>& normals,
-                                const EdgeParams& params) {
-  const double radius =
-      radiusInVoxels(params.cost_radius, params.min_cost_radius_voxels, voxels.resolution);
-  std::vector<float> costs(voxels.size());
-  forEachVoxel(blocks, radius, [&](uint32_t i, const auto& neighbours) {
-    const Eigen::Vector3f normal = normals[i];
-    float sum = 0;
-    int n = 0;
-    neighbours([&](uint32_t j, const VoxelBlocks::Offset&) {
-      if (normals[j].isZero(0)) return;
-      sum += normals[j].cross(normal).norm();
-      n++;
-    });
-    costs[i] = n > 0 ? sum / static_cast<float>(n) : 0.F;
-  });
-  return costs;
+/** Lines 10-20: whether the surface bends by an angle in the window at the tracer's voxel. */
+bool isBend(SurfaceTracer& tracer, const std::vector<Eigen::Vector2f>& directions,
+            const Eigen::Vector3f& normal, const Eigen::Vector3f& across,
+            const EdgeParams& params) {
+  const Eigen::Vector3f along = normal.cross(across);
+  const auto bend = [&](const Eigen::Vector2f& d) {
+    return tracer.bend(d.x() * across + d.y() * along, normal);
+  };
+  const auto isEdge = [&](const std::optional<float>& angle) {
+    return angle && *angle > params.alpha_min && *angle < params.alpha_max;
+  };
+  const auto first = bend(directions.front());
+  if (isEdge(first)) return true;
+  // What is nearly straight across is no edge a little to the side of that direction.
+  constexpr double kNearlyStraight = 40 * M_PI / 180;  // beyond the window
+  const bool skip =
+      params.trace_window < M_PI / 2 && first && *first > params.alpha_max + kNearlyStraight;
+  return std::any_of(skip ? directions.end() - 1 : directions.begin() + 1, directions.end(),
+                     [&](const Eigen::Vector2f& d) { return isEdge(bend(d)); });
 }
 
 /** Lines 7-22: whether each voxel is an edge. */
-std::vector<uint8_t> detectEdges(const OccupiedVoxels& voxels, const VoxelBlocks& blocks,
-                                 const std::vector<Eigen::Vector3f>& normals,
-                                 const EdgeParams& params) {
-  const auto costs = angleCostsOf(voxels, blocks, normals, params);
+std::vector<uint8_t> detectEdges(const SurfaceVoxels& candidates, const SurfaceVoxels& neighbours,
+                                 const VoxelBlocks& occupied, const EdgeParams& params) {
+  const auto& [voxels, surfaces] = candidates;
+  const std::vector<Eigen::Vector3f>& normals = neighbours.surfaces.normal;
+  const VoxelBlocks near(neighbours.voxels.key);
+  const VoxelBlocks::Ball cost_ball(
+      radiusInVoxels(params.cost_radius, params.min_cost_radius_voxels, voxels.resolution));
+  const VoxelBlocks::Ball bend_ball(
+      radiusInVoxels(params.normal_radius, params.min_normal_radius_voxels, voxels.resolution));
   const double distance = std::max(params.trace_distance / voxels.resolution, 4.0);
-  const VoxelBlocks::Ball ball(distance + 2);
+  const auto directions = walkDirections(params);
+  const auto isCandidate = [&, &voxels = voxels, &surfaces = surfaces](size_t i) {
+    const Eigen::Vector3f& normal = surfaces.normal[i];
+    return !normal.isZero(0) && surfaces.variation[i] >= params.min_surface_variation &&
+           angleCost(near, cost_ball, voxels.key[i], normal, normals) > params.kappa;
+  };
+
   std::vector<uint8_t> is_edge(voxels.size(), 0);
-  forEachIndex(blocks.size(), kBlockGrain, [&](size_t block) {
-    SurfaceTracer tracer(distance);
-    blocks.forEachVoxel(block, ball, [&](uint32_t i, const auto& neighbours) {
-      if (costs[i] <= params.kappa || normals[i].isZero(0)) return;
-      tracer.startFrom(neighbours);
-      is_edge[i] = isBend(tracer, normals[i], params);
-    });
-  });
+  forEachRange(
+      voxels.size(), kGrain, [&, &voxels = voxels, &surfaces = surfaces](size_t begin, size_t end) {
+        SurfaceTracer tracer(occupied, distance);
+        for (size_t i = begin; i < end; i++) {
+          if (!isCandidate(i)) continue;
+          const Eigen::Vector3f& normal = surfaces.normal[i];
+          const Eigen::Vector3f u = acrossEdge(near, bend_ball, voxels.key[i], normal, normals);
+          tracer.moveTo(voxels.key[i]);
+          is_edge[i] = isBend(tracer, directions, normal, u, params);
+        }
+      });
   return is_edge;
 }
 
@@ -285,58 +348,93 @@ std::vector<uint32_t> statisticalInliers(const std::vector<Eigen::Vector3f>& poi
 }
 
 /** Eq. (6) for each edge voxel, from the edge voxels around it. */
-std::vector<EdgeCovariance> edgeCovariances(const std::vector<Eigen::Vector3f>& edges,
-                                            double radius) {
+std::vector<EdgeCovariance> edgeCovariances(const std::vector<octomap::OcTreeKey>& edges,
+                                            double radius, double resolution) {
+  const VoxelBlocks blocks(edges);
+  // Just beyond the radius: whether a voxel at that very distance counts must not hang on rounding.
+  const VoxelBlocks::Ball ball(radius / resolution + 1e-3);
   std::vector<EdgeCovariance> covariances(edges.size());
-  if (edges.empty()) return covariances;
-  const KdTree<3> tree(toDescriptors(edges));
   forEachIndex(edges.size(), kGrain, [&](size_t i) {
-    std::vector<Eigen::Vector3f> neighbours;
-    for (const uint32_t j : tree.within(tree.point(i), static_cast<float>(radius * radius)))
-      neighbours.push_back(edges[j]);
-    covariances[i] = edgeCovariance(neighbours);
+    const Moments moments = momentsAround(blocks, ball, edges[i]);
+    covariances[i] = edgeCovariance(resolution * resolution * moments.covariance(), moments.size());
   });
   return covariances;
 }
 
 }  // namespace
 
+Surfaces computeSurfaces(const OccupiedVoxels& voxels, const VoxelBlocks& occupied,
+                         const EdgeParams& params) {
+  const VoxelBlocks::Ball ball(
+      radiusInVoxels(params.normal_radius, params.min_normal_radius_voxels, voxels.resolution));
+  Surfaces surfaces;
+  surfaces.normal.assign(voxels.size(), Eigen::Vector3f::Zero());
+  surfaces.variation.assign(voxels.size(), 0);
+  surfaces.weight.assign(voxels.size(), 1);
+  surfaces.point = voxels.centre;
+  forEachIndex(voxels.size(), kGrain, [&](size_t i) {
+    const Moments moments = momentsAround(occupied, ball, voxels.key[i]);
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> pca;
+    pca.computeDirect(moments.covariance());
+    const auto& spread = pca.eigenvalues();
+    const bool has_plane =
+        spread[1] > 1e-6 && spread[0] <= params.max_surface_variation * spread.sum();
+    if (!has_plane) return;
+    const Eigen::Vector3d normal = pca.eigenvectors().col(0);
+    surfaces.normal[i] = normal.cast<float>();
+    surfaces.point[i] += (voxels.resolution * normal.dot(moments.mean()) * normal).cast<float>();
+    surfaces.variation[i] = static_cast<float>(spread[0] / spread.sum());
+  });
+  return surfaces;
+}
+
 Surfaces computeSurfaces(const OccupiedVoxels& voxels, const EdgeParams& params) {
-  return surfacesOf(voxels, VoxelBlocks(voxels.key), params);
+  return computeSurfaces(voxels, VoxelBlocks(voxels.key), params);
 }
 
 std::vector<float> computeAngleCosts(const OccupiedVoxels& voxels,
                                      const std::vector<Eigen::Vector3f>& normals,
                                      const EdgeParams& params) {
-  return angleCostsOf(voxels, VoxelBlocks(voxels.key), normals, params);
+  const VoxelBlocks blocks(voxels.key);
+  const VoxelBlocks::Ball ball(
+      radiusInVoxels(params.cost_radius, params.min_cost_radius_voxels, voxels.resolution));
+  std::vector<float> costs(voxels.size());
+  forEachIndex(voxels.size(), kGrain, [&](size_t i) {
+    if (!normals[i].isZero(0))
+      costs[i] = angleCost(blocks, ball, voxels.key[i], normals[i], normals);
+  });
+  return costs;
 }
 
 EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const EdgeParams& params) {
-  return extractEdges(voxels, computeSurfaces(voxels, params).normal, params);
+  const VoxelBlocks occupied(voxels.key);
+  const SurfaceVoxels all{voxels, computeSurfaces(voxels, occupied, params)};
+  return extractEdges(all, all, occupied, params);
 }
 
-EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const std::vector<Eigen::Vector3f>& normals,
-                        const EdgeParams& params) {
-  const auto is_edge = detectEdges(voxels, VoxelBlocks(voxels.key), normals, params);
+EdgeVoxels extractEdges(const SurfaceVoxels& candidates, const SurfaceVoxels& neighbours,
+                        const VoxelBlocks& occupied, const EdgeParams& params) {
+  const OccupiedVoxels& voxels = candidates.voxels;
+  const auto is_edge = detectEdges(candidates, neighbours, occupied, params);
 
-  std::vector<uint32_t> candidates;
+  std::vector<uint32_t> found;
   std::vector<Eigen::Vector3f> points;
   for (uint32_t i = 0; i < voxels.size(); i++)
     if (is_edge[i]) {
-      candidates.push_back(i);
+      found.push_back(i);
       points.push_back(voxels.centre[i]);
     }
 
   EdgeVoxels edges;
   edges.resolution = voxels.resolution;
+  std::vector<octomap::OcTreeKey> keys;
   for (const uint32_t i : statisticalInliers(points, params)) {
     edges.centre.push_back(points[i]);
-    edges.probability.push_back(voxels.probability[candidates[i]]);
+    edges.probability.push_back(voxels.probability[found[i]]);
+    keys.push_back(voxels.key[found[i]]);
   }
-  // Just beyond the radius: whether a voxel at that very distance counts must not hang on rounding.
-  edges.covariance =
-      edgeCovariances(edges.centre, std::max(params.direction_radius, 3 * voxels.resolution) +
-                                        1e-3 * voxels.resolution);
+  edges.covariance = edgeCovariances(keys, std::max(params.direction_radius, 3 * voxels.resolution),
+                                     voxels.resolution);
   return edges;
 }
 

@@ -20,22 +20,12 @@ enum class Finding : uint8_t { Unknown, Agrees, Conflicts };
 
 /** What the map says of an obstacle at a point. Only a place seen free with nothing occupied around
  * it contradicts: half a voxel of quantisation in each map is no contradiction. */
-Finding findingAt(const octomap::OcTree& map, const Eigen::Vector3d& p) {
+Finding findingAt(const octomap::OcTree& map, const VoxelBlocks& occupied,
+                  const VoxelBlocks::Ball& beside, const Eigen::Vector3d& p) {
   octomap::OcTreeKey key;
   if (!map.coordToKeyChecked(p.x(), p.y(), p.z(), key)) return Finding::Unknown;
-  const auto* node = map.search(key);
-  if (!node) return Finding::Unknown;
-  if (map.isNodeOccupied(node)) return Finding::Agrees;
-  for (int dz = -1; dz <= 1; dz++)
-    for (int dy = -1; dy <= 1; dy++)
-      for (int dx = -1; dx <= 1; dx++) {
-        const octomap::OcTreeKey near(static_cast<octomap::key_type>(key[0] + dx),
-                                      static_cast<octomap::key_type>(key[1] + dy),
-                                      static_cast<octomap::key_type>(key[2] + dz));
-        const auto* neighbour = map.search(near);
-        if (neighbour && map.isNodeOccupied(neighbour)) return Finding::Agrees;
-      }
-  return Finding::Conflicts;
+  if (occupied.anyAround({key[0], key[1], key[2]}, beside)) return Finding::Agrees;
+  return map.search(key) ? Finding::Conflicts : Finding::Unknown;
 }
 
 }  // namespace
@@ -52,11 +42,13 @@ double overlapOf(size_t matches, size_t model_voxels, size_t scene_voxels) {
 
 double acceptanceThreshold(double overlap) { return std::clamp(0.9 - overlap / 2, 0.6, 0.8); }
 
-FreeSpaceCheck checkFreeSpace(const octomap::OcTree& model, const OccupiedVoxels& scene,
-                              const Eigen::Isometry3d& T_model_scene) {
+FreeSpaceCheck checkFreeSpace(const octomap::OcTree& model, const VoxelBlocks& occupied,
+                              const OccupiedVoxels& scene, const Eigen::Isometry3d& T_model_scene) {
+  const VoxelBlocks::Ball beside(1.8);  // the 26 voxels around one
   std::vector<Finding> findings(scene.size());
   forEachIndex(scene.size(), kGrain, [&](size_t i) {
-    findings[i] = findingAt(model, T_model_scene * scene.centre[i].cast<double>());
+    findings[i] =
+        findingAt(model, occupied, beside, T_model_scene * scene.centre[i].cast<double>());
   });
   const auto count = [&](Finding f) {
     return static_cast<size_t>(std::count(findings.begin(), findings.end(), f));
@@ -83,8 +75,8 @@ Evaluation evaluateMatch(const octomap::OcTree& map_a, const OccupiedVoxels& a,
     e.mean_mahalanobis = sum / static_cast<double>(pairs.size());
     e.inlier_ratio = static_cast<double>(e.inliers) / static_cast<double>(pairs.size());
   }
-  const FreeSpaceCheck b_in_a = checkFreeSpace(map_a, b, T_a_b);
-  const FreeSpaceCheck a_in_b = checkFreeSpace(map_b, a, T_a_b.inverse());
+  const FreeSpaceCheck b_in_a = checkFreeSpace(map_a, VoxelBlocks(a.key), b, T_a_b);
+  const FreeSpaceCheck a_in_b = checkFreeSpace(map_b, VoxelBlocks(b.key), a, T_a_b.inverse());
   e.free_space = {b_in_a.agreeing + a_in_b.agreeing, b_in_a.conflicting + a_in_b.conflicting};
 
   e.accepted = true;

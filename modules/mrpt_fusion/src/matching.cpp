@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/fusion/evaluation.h>
 #include <mrpt/fusion/matching.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <limits>
@@ -11,7 +12,10 @@ namespace {
 /** What differs between the two levels: how to pair, with which weights, and what to minimise. */
 struct LevelProblem {
   Level level;
-  std::function<Pairs(const Eigen::Isometry3d&, const DescriptorWeights&, double gate)> associate;
+  /** Of all scene voxels, or of those among some pairs. */
+  std::function<Pairs(const Eigen::Isometry3d&, const DescriptorWeights&, double gate,
+                      const Pairs*)>
+      associate;
   std::function<DescriptorWeights(double mse)> weights;
   std::function<NormalEquations(const Pairs&, const Eigen::Isometry3d&)> linearize;
 };
@@ -19,8 +23,8 @@ struct LevelProblem {
 /** The pairs at a pose. The weights need an MSE before there is one: that of the nearest neighbours
  * by distance alone. */
 Pairs firstPairs(const LevelProblem& problem, const Eigen::Isometry3d& T, double gate) {
-  const Pairs nearest = problem.associate(T, DescriptorWeights{}, gate);
-  return problem.associate(T, problem.weights(meanSquaredError(nearest)), gate);
+  const Pairs nearest = problem.associate(T, DescriptorWeights{}, gate, nullptr);
+  return problem.associate(T, problem.weights(meanSquaredError(nearest)), gate, &nearest);
 }
 
 /** Alternates association and optimisation until the pose stays, from result.T_a_b on.
@@ -35,7 +39,7 @@ Pairs runLevel(const LevelProblem& problem, const LevelParams& level, double lea
     if (pairs.size() < MatchResult::kMinPairs) break;
     const double mse = meanSquaredError(pairs);
     const Eigen::Isometry3d T = optimizePose(
-        result.T_a_b, SolverParams{},
+        result.T_a_b, params.solver,
         [&](const Eigen::Isometry3d& candidate) { return problem.linearize(pairs, candidate); });
     const Eigen::Isometry3d step = T * result.T_a_b.inverse();
     // The step at the scene's own place: a rotation about a far origin is not a translation.
@@ -51,7 +55,7 @@ Pairs runLevel(const LevelProblem& problem, const LevelParams& level, double lea
     if (on_iteration) on_iteration(record);
     const bool gate_is_final = gate <= final_gate;
     gate = std::max(final_gate, kGateShrink * gate);
-    pairs = problem.associate(T, problem.weights(mse), gate);
+    pairs = problem.associate(T, problem.weights(mse), gate, nullptr);
     if (gate_is_final && record.step_translation < params.min_step_translation &&
         record.step_rotation < params.min_step_rotation)
       break;
@@ -67,8 +71,8 @@ void matchEdges(const MapFeatures& a, const MapFeatures& b, const MatchParams& p
   const double lambda_tau = structuralUncertainty(a.edges, b.edges);
   EdgeAssociation association(a.edges);
   runLevel({Level::Edge,
-            [&](const auto& T, const auto& w, double gate) {
-              return association.associate(b.edges, T, w, gate);
+            [&](const auto& T, const auto& w, double gate, const Pairs* among) {
+              return association.associate(b.edges, T, w, gate, among);
             },
             [&](double mse) { return descriptorWeights(mse, H_m, lambda_tau, params.weights); },
             [&](const Pairs& pairs, const auto& T) {
@@ -82,20 +86,15 @@ LevelProblem voxelPairing(const OccupiedVoxels& a, const OccupiedVoxels& b,
                           VoxelAssociation& association, const MatchParams& params) {
   const double H_m = occupancyUncertainty(a.probability, b.probability);
   return {Level::Voxel,
-          [&](const auto& T, const auto& w, double gate) {
-            return association.associate(b, T, w, gate);
+          [&](const auto& T, const auto& w, double gate, const Pairs* among) {
+            return association.associate(b, T, w, gate, among);
           },
           [&params, H_m](double mse) { return descriptorWeights(mse, H_m, 0, params.weights); },
           {}};
 }
 
-/** The least gate of voxel pairs, m. */
-double twoVoxels(const MapFeatures& a, const MapFeatures& b) {
-  return 2 * std::max(a.voxels.resolution, b.voxels.resolution);
-}
-
-LevelProblem voxelLevel(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& association,
-                        const MatchParams& params) {
+LevelProblem voxelLevel(const SurfaceVoxels& a, const SurfaceVoxels& b,
+                        VoxelAssociation& association, const MatchParams& params) {
   LevelProblem level = voxelPairing(a.voxels, b.voxels, association, params);
   level.linearize = [&](const Pairs& pairs, const auto& T) {
     return params.voxel_metric == VoxelMetric::Point
@@ -106,18 +105,48 @@ LevelProblem voxelLevel(const MapFeatures& a, const MapFeatures& b, VoxelAssocia
   return level;
 }
 
+/** The least gate of voxel pairs, m. */
+double twoVoxels(const MapFeatures& a, const MapFeatures& b) {
+  return 2 * std::max(a.voxels.resolution, b.voxels.resolution);
+}
+
 /** The voxel level from its gate \a first_gate on, on result.T_a_b; gives the result its covariance
  * and pairs. */
 void matchVoxels(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& association,
                  double first_gate, const MatchParams& params, MatchResult& result,
                  const OnIteration& on_iteration) {
-  const LevelProblem level = voxelLevel(a, b, association, params);
+  const LevelProblem level = voxelLevel(a.matched, b.matched, association, params);
   LevelParams from_gate = params.voxel_level;
   from_gate.gate = first_gate;
   const Pairs last = runLevel(level, from_gate, twoVoxels(a, b), params, result, on_iteration);
   if (last.size() >= MatchResult::kMinPairs)
     result.covariance = poseCovariance(level.linearize(last, result.T_a_b), last.size());
-  result.pairs = firstPairs(level, result.T_a_b, params.voxel_level.gate);
+  result.pairs = pairVoxels(a.voxels, b.voxels, result.T_a_b, params);
+}
+
+OccupiedVoxels select(const OccupiedVoxels& voxels, const std::vector<uint32_t>& indices) {
+  OccupiedVoxels some;
+  some.resolution = voxels.resolution;
+  some.centre.reserve(indices.size());
+  some.probability.reserve(indices.size());
+  some.key.reserve(indices.size());
+  for (const uint32_t i : indices) {
+    some.centre.push_back(voxels.centre[i]);
+    some.probability.push_back(voxels.probability[i]);
+    some.key.push_back(voxels.key[i]);
+  }
+  return some;
+}
+
+Surfaces select(const Surfaces& surfaces, const std::vector<uint32_t>& indices) {
+  Surfaces some;
+  for (const uint32_t i : indices) {
+    some.normal.push_back(surfaces.normal[i]);
+    some.point.push_back(surfaces.point[i]);
+    some.variation.push_back(surfaces.variation[i]);
+    some.weight.push_back(surfaces.weight[i]);
+  }
+  return some;
 }
 
 bool isEmpty(const MapFeatures& a, const MapFeatures& b) {
@@ -126,13 +155,56 @@ bool isEmpty(const MapFeatures& a, const MapFeatures& b) {
 
 }  // namespace
 
-MapFeatures computeFeatures(const octomap::OcTree& map, const EdgeParams& params) {
+namespace {
+
+/** Where the surface may have an edge: of the voxels that each bent one among the matched stands
+ * for the one where the surface bends most. */
+SurfaceVoxels mostBent(const MapFeatures& f, const Thinned& kept, const EdgeParams& params) {
+  std::vector<uint32_t> near_bends, end_of_cube;
+  uint32_t first = 0;
+  for (size_t k = 0; k < kept.index.size(); k++) {
+    const auto next = first + static_cast<uint32_t>(kept.weight[k]);
+    if (f.matched.surfaces.variation[k] >= params.min_surface_variation) {
+      for (uint32_t i = first; i < next; i++) near_bends.push_back(i);
+      end_of_cube.push_back(static_cast<uint32_t>(near_bends.size()));
+    }
+    first = next;
+  }
+  SurfaceVoxels all{select(f.voxels, near_bends), {}};
+  all.surfaces = computeSurfaces(all.voxels, f.occupied, params);
+  std::vector<uint32_t> bent;
+  uint32_t i = 0;
+  for (const uint32_t end : end_of_cube) {
+    uint32_t best = i;
+    for (; i < end; i++)
+      if (all.surfaces.variation[i] > all.surfaces.variation[best]) best = i;
+    bent.push_back(best);
+  }
+  return {select(all.voxels, bent), select(all.surfaces, bent)};
+}
+
+}  // namespace
+
+MapFeatures computeFeatures(const octomap::OcTree& map, const MatchParams& params) {
   MapFeatures f;
   f.map = &map;
   f.voxels = extractOccupiedVoxels(map);
-  f.surfaces = computeSurfaces(f.voxels, params);
-  f.edges = extractEdges(f.voxels, f.surfaces.normal, params);
+  f.occupied = VoxelBlocks(f.voxels.key);
+  const auto kept = thinOut(f.voxels, params.voxel_spacing);
+  f.matched.voxels = select(f.voxels, kept.index);
+  f.matched.surfaces = computeSurfaces(f.matched.voxels, f.occupied, params.edges);
+  f.matched.surfaces.weight = kept.weight;
+  f.edges = extractEdges(mostBent(f, kept, params.edges), f.matched, f.occupied, params.edges);
   return f;
+}
+
+std::pair<MapFeatures, MapFeatures> computeFeatures(const octomap::OcTree& map_a,
+                                                    const octomap::OcTree& map_b,
+                                                    const MatchParams& params) {
+  std::pair<MapFeatures, MapFeatures> features;
+  tbb::parallel_invoke([&] { features.first = computeFeatures(map_a, params); },
+                       [&] { features.second = computeFeatures(map_b, params); });
+  return features;
 }
 
 MatchResult matchTwoLevel(const MapFeatures& a, const MapFeatures& b,
@@ -142,65 +214,67 @@ MatchResult matchTwoLevel(const MapFeatures& a, const MapFeatures& b,
   result.T_a_b = T_a_b;
   if (isEmpty(a, b)) return result;
   matchEdges(a, b, params, result, on_iteration);
-  VoxelAssociation association(a.voxels);
+  VoxelAssociation association(a.matched.voxels);
   matchVoxels(a, b, association, params.voxel_level.gate, params, result, on_iteration);
   return result;
 }
 
-MapFeatures thinOut(const MapFeatures& features, double spacing) {
-  const OccupiedVoxels& all = features.voxels;
-  unsigned shift = 0;
-  while (all.resolution * (1U << shift) < spacing * (1 - 1e-9) && shift < 15) shift++;
-  const auto sameCube = [&](size_t i, size_t j) {
-    for (unsigned axis = 0; axis < 3; axis++)
-      if (all.key[i][axis] >> shift != all.key[j][axis] >> shift) return false;
-    return true;
-  };
-  const auto isBetter = [&](size_t i, size_t j) {
-    const bool flat_i = !features.surfaces.normal[i].isZero();
-    const bool flat_j = !features.surfaces.normal[j].isZero();
-    return flat_i != flat_j ? flat_i : all.probability[i] > all.probability[j];
-  };
-
-  MapFeatures few;
-  few.map = features.map;
-  few.edges = features.edges;
-  few.voxels.resolution = all.resolution;
-  for (size_t i = 0, next; i < all.size(); i = next) {
-    size_t best = i;  // in the order of the octree's leaves a cube's voxels follow each other
-    for (next = i + 1; next < all.size() && sameCube(i, next); next++)
-      if (isBetter(next, best)) best = next;
-    few.voxels.centre.push_back(all.centre[best]);
-    few.voxels.probability.push_back(all.probability[best]);
-    few.voxels.key.push_back(all.key[best]);
-    few.surfaces.normal.push_back(features.surfaces.normal[best]);
-    few.surfaces.point.push_back(features.surfaces.point[best]);
-  }
-  return few;
+Thinned thinOut(const OccupiedVoxels& voxels, double spacing) {
+  return thinOut(voxels, spacing, [&](uint32_t i, uint32_t j) {
+    return voxels.probability[i] > voxels.probability[j];
+  });
 }
+
+namespace {
+
+/** Few voxels, spread evenly, to compare poses with; those that have a normal first. */
+SurfaceVoxels fewOf(const SurfaceVoxels& all, double spacing) {
+  constexpr size_t kEnough = 1000;
+  const auto& [voxels, surfaces] = all;
+  const auto kept = thinOut(voxels, spacing, [&](uint32_t i, uint32_t j) {
+    const bool flat_i = !surfaces.normal[i].isZero(), flat_j = !surfaces.normal[j].isZero();
+    return flat_i != flat_j ? flat_i : voxels.probability[i] > voxels.probability[j];
+  });
+  std::vector<uint32_t> few;
+  const size_t stride = (kept.index.size() + kEnough - 1) / kEnough;
+  for (size_t k = 0; k < kept.index.size(); k += stride) few.push_back(kept.index[k]);
+  return {select(voxels, few), select(surfaces, few)};
+}
+
+/** Poses are compared before they are known better than this. */
+MatchParams roughly(MatchParams params) {
+  params.min_step_translation = std::max(params.min_step_translation, 0.01);
+  params.min_step_rotation = std::max(params.min_step_rotation, 0.002);
+  params.solver.max_steps = 1;
+  return params;
+}
+
+}  // namespace
 
 MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
                       const MatchParams& params, const OnIteration& on_iteration) {
   if (isEmpty(a, b) || params.search.translation <= 0)
     return matchTwoLevel(a, b, T_a_b, params, on_iteration);
 
+  const MatchParams rough = roughly(params);
   MatchResult from_edges;
   from_edges.T_a_b = T_a_b;
-  matchEdges(a, b, params, from_edges, on_iteration);
-  const MapFeatures few_a = thinOut(a, params.search.cell), few_b = thinOut(b, params.search.cell);
+  matchEdges(a, b, rough, from_edges, on_iteration);
+  const SurfaceVoxels few_a = fewOf(a.matched, params.search.cell);
+  const SurfaceVoxels few_b = fewOf(b.matched, params.search.cell);
   std::vector<Eigen::Isometry3d> starts = {from_edges.T_a_b};
-  for (const Hypothesis& h : searchAround(*a.map, few_b.voxels, T_a_b, params.search))
+  for (const Hypothesis& h : searchAround(*a.map, a.voxels, few_b.voxels, T_a_b, params.search))
     starts.push_back(h.T_a_b);
 
-  VoxelAssociation association(a.voxels);
-  const LevelProblem few_level = voxelLevel(a, few_b, association, params);
+  VoxelAssociation association(a.matched.voxels);
+  const LevelProblem few_level = voxelLevel(a.matched, few_b, association, params);
   MatchResult result;
   double best_agreement = -std::numeric_limits<double>::infinity();
   for (const Eigen::Isometry3d& start : starts) {
     MatchResult refined;
     refined.T_a_b = start;
-    runLevel(few_level, params.voxel_level, twoVoxels(a, b), params, refined, {});
-    const double reached = agreement(few_a, few_b, refined.T_a_b);
+    runLevel(few_level, params.voxel_level, twoVoxels(a, b), rough, refined, {});
+    const double reached = agreement(a, few_a.voxels, b, few_b.voxels, refined.T_a_b);
     if (reached <= best_agreement) continue;
     best_agreement = reached;
     result.T_a_b = refined.T_a_b;
@@ -212,9 +286,10 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
   return result;
 }
 
-double agreement(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b) {
-  const FreeSpaceCheck b_in_a = checkFreeSpace(*a.map, b.voxels, T_a_b);
-  const FreeSpaceCheck a_in_b = checkFreeSpace(*b.map, a.voxels, T_a_b.inverse());
+double agreement(const MapFeatures& a, const OccupiedVoxels& of_a, const MapFeatures& b,
+                 const OccupiedVoxels& of_b, const Eigen::Isometry3d& T_a_b) {
+  const FreeSpaceCheck b_in_a = checkFreeSpace(*a.map, a.occupied, of_b, T_a_b);
+  const FreeSpaceCheck a_in_b = checkFreeSpace(*b.map, b.occupied, of_a, T_a_b.inverse());
   return static_cast<double>(b_in_a.agreeing + a_in_b.agreeing) -
          kConflictWeight * static_cast<double>(b_in_a.conflicting + a_in_b.conflicting);
 }

@@ -94,7 +94,8 @@ NormalEquations linearizeSurfaces(const OccupiedVoxels& model, const Surfaces& m
   return sumOf(
       scene_surface.point, pairs, T_a_b, [&](const Pair& p, const Eigen::Vector3d& q) -> Term {
         return {model_surface.point[p.model].cast<double>() - q,
-                occupancyFactor(model, scene, p) *
+                static_cast<double>(scene_surface.weight[p.scene]) *
+                    occupancyFactor(model, scene, p) *
                     surfaceWeight(model_surface.normal[p.model].cast<double>(),
                                   R * scene_surface.normal[p.scene].cast<double>(), flatness)};
       });

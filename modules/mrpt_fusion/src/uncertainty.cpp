@@ -21,26 +21,29 @@ Eigen::Matrix3d EdgeCovariance::matrix(double floor_variance) const {
          eigenvectors.transpose();
 }
 
-EdgeCovariance edgeCovariance(const std::vector<Eigen::Vector3f>& neighbours) {
+EdgeCovariance edgeCovariance(const Eigen::Matrix3d& covariance, size_t neighbours) {
   EdgeCovariance result;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const auto& p : neighbours) mean += p.cast<double>();
-  if (!neighbours.empty()) mean /= static_cast<double>(neighbours.size());
-  Eigen::Matrix3d cov = Eigen::Matrix3d::Zero();
-  for (const auto& p : neighbours) {
-    const Eigen::Vector3d d = p.cast<double>() - mean;
-    cov += d * d.transpose();
-  }
-  if (neighbours.size() < 3 || cov.trace() <= 0) {
-    const auto n = static_cast<double>(std::max<size_t>(1, neighbours.size()));
-    result.eigenvalues.setConstant(cov.trace() / (3 * n));
+  if (neighbours < 3 || covariance.trace() <= 0) {
+    result.eigenvalues.setConstant(covariance.trace() / 3);
     return result;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
-      cov / static_cast<double>(neighbours.size()));
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
   result.eigenvalues = solver.eigenvalues().cwiseMax(0);
   result.eigenvectors = solver.eigenvectors();
   return result;
+}
+
+EdgeCovariance edgeCovariance(const std::vector<Eigen::Vector3f>& neighbours) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const auto& p : neighbours) mean += p.cast<double>();
+  const auto n = static_cast<double>(std::max<size_t>(1, neighbours.size()));
+  mean /= n;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const auto& p : neighbours) {
+    const Eigen::Vector3d d = p.cast<double>() - mean;
+    covariance += d * d.transpose();
+  }
+  return edgeCovariance(covariance / n, neighbours.size());
 }
 
 Eigen::Matrix3d fuseCovariances(double voxel_variance, const Eigen::Matrix3d& edge) {

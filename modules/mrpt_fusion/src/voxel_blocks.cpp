@@ -7,82 +7,132 @@
 namespace mrpt::fusion {
 namespace {
 
-std::array<int, 3> placeOf(const octomap::OcTreeKey& k) {
-  return {k[0] >> 2, k[1] >> 2, k[2] >> 2};
+/** Every third bit, from bit 0 on, is one of the 16 given. */
+uint64_t spread16(uint64_t v) {
+  v = (v | v << 16U) & 0x0000FF0000FFULL;
+  v = (v | v << 8U) & 0x00F00F00F00FULL;
+  v = (v | v << 4U) & 0x0C30C30C30C3ULL;
+  return (v | v << 2U) & 0x249249249249ULL;
 }
 
-unsigned cellOf(const octomap::OcTreeKey& k) {
-  return static_cast<unsigned>((k[0] & 3) | (k[1] & 3) << 2 | (k[2] & 3) << 4);
-}
+struct Entry {
+  uint64_t order;
+  uint32_t voxel;
+  bool operator<(const Entry& o) const { return order < o.order; }
+};
 
 }  // namespace
 
+uint64_t octreeOrder(const octomap::OcTreeKey& key) {
+  return spread16(key[0]) | spread16(key[1]) << 1U | spread16(key[2]) << 2U;
+}
+
+/** Adds the next cell in order; \a content is the number of what there is so far. */
+void VoxelBlocks::add(Cells& cells, int cell, uint32_t content) {
+  if (!cells.mask) cells.first = content;
+  cells.mask |= uint64_t{1} << cell;
+  cells.rank[static_cast<size_t>(cell)] = static_cast<uint8_t>(content - cells.first);
+}
+
 VoxelBlocks::VoxelBlocks(const std::vector<octomap::OcTreeKey>& keys) {
-  struct Entry {
-    uint64_t block;
-    uint32_t cell, voxel;
-    bool operator<(const Entry& o) const {
-      return block != o.block ? block < o.block : cell < o.cell;
-    }
-  };
   std::vector<Entry> entries(keys.size());
   for (size_t i = 0; i < keys.size(); i++)
-    entries[i] = {keyOf(placeOf(keys[i])), cellOf(keys[i]), static_cast<uint32_t>(i)};
-  std::sort(entries.begin(), entries.end());
+    entries[i] = {octreeOrder(keys[i]), static_cast<uint32_t>(i)};
+  if (!std::is_sorted(entries.begin(), entries.end())) std::sort(entries.begin(), entries.end());
 
   voxels_.reserve(keys.size());
+  constexpr uint64_t kNoBlock = ~uint64_t{0};
+  uint64_t last_block = kNoBlock;
+  size_t groups = 0;
   for (const Entry& e : entries) {
-    if (blocks_.empty() || keyOf(blocks_.back().place) != e.block) {
-      blocks_.emplace_back();
-      blocks_.back().first = static_cast<uint32_t>(voxels_.size());
-      blocks_.back().place = placeOf(keys[e.voxel]);
+    if (e.order >> 6U != last_block) {
+      if (last_block == kNoBlock || e.order >> 12U != last_block >> 6U) groups++;
+      last_block = e.order >> 6U;
+      const octomap::OcTreeKey& k = keys[e.voxel];
+      blocks_.emplace_back().place = {k[0] >> 2, k[1] >> 2, k[2] >> 2};
     }
-    Block& block = blocks_.back();
-    block.mask |= uint64_t{1} << e.cell;
-    block.rank[e.cell] = static_cast<uint8_t>(voxels_.size() - block.first);
+    add(blocks_.back(), static_cast<int>(e.order & 63U), static_cast<uint32_t>(voxels_.size()));
     voxels_.push_back(e.voxel);
   }
 
   size_t capacity = 16;
-  while (capacity < 2 * blocks_.size()) capacity *= 2;
+  while (capacity < 2 * groups) capacity *= 2;
   slots_.resize(capacity);
   slot_mask_ = capacity - 1;
   for (uint32_t b = 0; b < blocks_.size(); b++) {
-    const uint64_t key = keyOf(blocks_[b].place);
+    const auto& [x, y, z] = blocks_[b].place;
+    const uint64_t key = keyOf(x >> 2, y >> 2, z >> 2);
     size_t slot = hash(key) & slot_mask_;
-    while (slots_[slot].block != kNone) slot = (slot + 1) & slot_mask_;
-    slots_[slot] = {key, b};
+    while (slots_[slot].first != kNone && slots_[slot].key != key) slot = (slot + 1) & slot_mask_;
+    slots_[slot].key = key;
+    add(slots_[slot], cellOf(x, y, z), b);
   }
 }
 
-VoxelBlocks::Ball::Ball(double radius)
-    : reach_(static_cast<int>(std::ceil(std::floor(radius) / 4))) {
-  const double squared_radius = radius * radius;
+VoxelBlocks::Ball::Ball(double radius, double beyond)
+    : radius_(static_cast<int>(radius)), reach_((radius_ + 3) / 4) {
+  const auto most = static_cast<int>(radius * radius);
+  const int least = beyond < 0 ? -1 : static_cast<int>(beyond * beyond);
+  // How far an axis reaches if the other two have used up so much of a squared radius.
+  const auto left = [](int squared, int used) {
+    return squared < used ? -1 : static_cast<int>(std::sqrt(squared - used));
+  };
+  // The cells along x at most so far from one, in the block at an offset.
+  const auto alongX = [](int cells, int from, int far) {
+    return far < 0 ? 0 : range(0, from - far - cells, from + far - cells);
+  };
   for (int bz = -reach_; bz <= reach_; bz++)
     for (int by = -reach_; by <= reach_; by++)
       for (int bx = -reach_; bx <= reach_; bx++) {
-        auto& masks = masks_.emplace_back();
+        Masks masks{};
         for (int from = 0; from < 64; from++)
-          for (int to = 0; to < 64; to++) {
-            const int x = 4 * bx + (to & 3) - (from & 3);
-            const int y = 4 * by + ((to >> 2) & 3) - ((from >> 2) & 3);
-            const int z = 4 * bz + (to >> 4) - (from >> 4);
-            if (x * x + y * y + z * z <= squared_radius)
-              masks[static_cast<size_t>(from)] |= uint64_t{1} << to;
-          }
+          for (int z = 0; z < 4; z++)
+            for (int y = 0; y < 4; y++) {
+              const int dy = 4 * by + y - yOf(from), dz = 4 * bz + z - zOf(from);
+              const int used = dy * dy + dz * dz;
+              if (used > most) continue;
+              masks[static_cast<size_t>(from)] |= alongX(4 * bx, xOf(from), left(most, used)) &
+                                                  ~alongX(4 * bx, xOf(from), left(least, used)) &
+                                                  range(1, y, y) & range(2, z, z);
+            }
+        blocks_.push_back(masks);
       }
 }
 
-std::vector<VoxelBlocks::Near> VoxelBlocks::near(const Block& block, const Ball& ball) const {
-  std::vector<Near> blocks_near;
-  const auto* masks = ball.masks_.data();
-  const int reach = ball.reach_;
-  for (int z = -reach; z <= reach; z++)
-    for (int y = -reach; y <= reach; y++)
-      for (int x = -reach; x <= reach; x++, masks++)
-        if (const Block* other = find({block.place[0] + x, block.place[1] + y, block.place[2] + z}))
-          blocks_near.push_back({other, masks, {4 * x, 4 * y, 4 * z}});
-  return blocks_near;
+bool VoxelBlocks::anyAround(const Place& place, const Ball& ball) const {
+  const auto [x, y, z] = place;
+  const auto cell = static_cast<size_t>(cellOf(x, y, z));
+  const int r = ball.radius_;
+  bool any = false;
+  forEachBlock({(x - r) >> 2, (y - r) >> 2, (z - r) >> 2},
+               {(x + r) >> 2, (y + r) >> 2, (z + r) >> 2}, [&](const Block& block) {
+                 const auto [bx, by, bz] = block.place;
+                 return any =
+                            block.mask & ball.of(bx - (x >> 2), by - (y >> 2), bz - (z >> 2))[cell];
+               });
+  return any;
+}
+
+VoxelBlocks::Window::Window(const VoxelBlocks& blocks, int reach)
+    : blocks_(blocks),
+      reach_((reach + 3) / 4),
+      side_(2 * reach_ + 1),
+      masks_(static_cast<size_t>(side_ * side_ * side_), 0) {}
+
+void VoxelBlocks::Window::moveTo(const Place& place) {
+  for (const size_t i : present_) masks_[i] = 0;
+  present_.clear();
+  const int r = reach_;
+  for (unsigned axis = 0; axis < 3; axis++) at_[axis] = 4 * r + (place[axis] & 3);
+  const Place low{(place[0] >> 2) - r, (place[1] >> 2) - r, (place[2] >> 2) - r};
+  blocks_.forEachBlock(
+      low, {low[0] + 2 * r, low[1] + 2 * r, low[2] + 2 * r}, [&](const Block& block) {
+        const size_t i =
+            index(block.place[0] - low[0], block.place[1] - low[1], block.place[2] - low[2]);
+        masks_[i] = block.mask;
+        present_.push_back(i);
+        return false;
+      });
 }
 
 }  // namespace mrpt::fusion

@@ -52,10 +52,11 @@ struct DescriptorWeights {
 DescriptorWeights descriptorWeights(double mse, double H_m, double lambda_tau,
                                     const WeightParams& params);
 
-/** Finds pairs by eq. (14): the 4-D descriptor {x, y, z, p}. Built once for a model;
- * building is O(n log n), associating about O(m log n), on all cores with the same result for any
- * number of them. One object is not to be used from two threads at once. The gate is on the square
- * root of the eq.'s distance, in metres (Table I). */
+/** Finds pairs by eq. (14): the 4-D descriptor {x, y, z, p}. Built once for a model, which must
+ * outlive it; building is O(n), associating costs what lies within the pairs' distances, and less
+ * for a scene that was associated before at a pose nearby. On all cores with the same result for
+ * any number of them. One object is not to be used from two threads at once. The gate is on the
+ * square root of the eq.'s distance, in metres (Table I). */
 class VoxelAssociation {
  public:
   explicit VoxelAssociation(const OccupiedVoxels& model);
@@ -63,7 +64,7 @@ class VoxelAssociation {
   VoxelAssociation(VoxelAssociation&&) noexcept;
 
   Pairs associate(const OccupiedVoxels& scene, const Eigen::Isometry3d& T_a_b,
-                  const DescriptorWeights& weights, double gate);
+                  const DescriptorWeights& weights, double gate, const Pairs* among = nullptr);
 
  private:
   struct Impl;
@@ -71,7 +72,8 @@ class VoxelAssociation {
 };
 
 /** Finds pairs of edge voxels by eq. (13): the 7-D descriptor {x, y, z, p, tau}, of which tau and
- * -tau are the same direction. Otherwise as VoxelAssociation. */
+ * -tau are the same direction. Building is O(n log n), associating about O(m log n); otherwise as
+ * VoxelAssociation. */
 class EdgeAssociation {
  public:
   explicit EdgeAssociation(const EdgeVoxels& model);
@@ -79,7 +81,7 @@ class EdgeAssociation {
   EdgeAssociation(EdgeAssociation&&) noexcept;
 
   Pairs associate(const EdgeVoxels& scene, const Eigen::Isometry3d& T_a_b,
-                  const DescriptorWeights& weights, double gate);
+                  const DescriptorWeights& weights, double gate, const Pairs* among = nullptr);
 
  private:
   struct Impl;

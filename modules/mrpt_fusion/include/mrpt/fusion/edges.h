@@ -2,6 +2,7 @@
 #pragma once
 
 #include <mrpt/fusion/uncertainty.h>
+#include <mrpt/fusion/voxel_blocks.h>
 #include <mrpt/fusion/voxels.h>
 
 #include <Eigen/Core>
@@ -21,11 +22,17 @@ struct EdgeParams {
   /** Largest surface variation lambda_3 / (lambda_1 + lambda_2 + lambda_3) of a voxel that has a
    * normal: near 0 on a plane, 0.09 on a clean right-angled edge, 1/3 inside a solid. */
   double max_surface_variation = 0.2;
+  /** Least surface variation of a candidate (not in the paper): where the surface is flatter than
+   * this it has no edge, and its angle cost need not be known. */
+  double min_surface_variation = 0.045;
   double kappa = 0.5;                            ///< least mean angle cost of a candidate (Table I)
   double trace_distance = 0.5;                   ///< d_T, m
   double trace_step_angle = 0.2617993877991494;  ///< delta, rad (15 deg)
-  double alpha_min = 1.3962634015954636;         ///< angle window of the two traces, rad (80 deg)
-  double alpha_max = 1.7453292519943295;         ///< rad (100 deg)
+  /** Walks leave across the edge that the normals around a voxel suggest, up to this far to either
+   * side of that direction, and along it; rad (30 deg). The paper: in all directions, 90 deg. */
+  double trace_window = 0.5235987755982988;
+  double alpha_min = 1.3962634015954636;  ///< angle window of the two traces, rad (80 deg)
+  double alpha_max = 1.7453292519943295;  ///< rad (100 deg)
   unsigned outlier_neighbours = 8;  ///< neighbours whose mean distance tells an outlier (line 23)
   double outlier_deviations = 1.0;  ///< kept up to this many standard deviations above the mean
   double direction_radius = 0.5;    ///< of the edge voxels that make Sigma_tau, eq. (6), m
@@ -49,9 +56,18 @@ struct Surfaces {
   /** The voxel's centre moved along its normal onto the plane through those voxels (not in the
    * paper): where the surface is within the voxel, m. The centre itself if there is no normal. */
   std::vector<Eigen::Vector3f> point;
+  /** Surface variation lambda_3 / (lambda_1 + lambda_2 + lambda_3), [0, 1/3]; 0 without a normal.
+   */
+  std::vector<float> variation;
+  /** Of how many voxels each speaks: 1, unless it was chosen to stand for those around it. */
+  std::vector<float> weight;
 };
 
-/** Lines 2-6. O(voxels * neighbours). */
+/** Lines 2-6. \param[in] occupied All of the map's occupied voxels: the neighbours of \a voxels,
+ * which may be some of them. O(voxels * neighbours). */
+Surfaces computeSurfaces(const OccupiedVoxels& voxels, const VoxelBlocks& occupied,
+                         const EdgeParams& params);
+/** \overload for all of a map's voxels. */
 Surfaces computeSurfaces(const OccupiedVoxels& voxels, const EdgeParams& params);
 
 /** Eq. (5) for each voxel: the mean |n_j x n_i| over its neighbours, in [0,1]. */
@@ -59,12 +75,20 @@ std::vector<float> computeAngleCosts(const OccupiedVoxels& voxels,
                                      const std::vector<Eigen::Vector3f>& normals,
                                      const EdgeParams& params);
 
+/** Pieces of surface: voxels, and what computeSurfaces() says of each. */
+struct SurfaceVoxels {
+  OccupiedVoxels voxels;
+  Surfaces surfaces;
+};
+
 /** All of Algorithm 1, and eq. (6) for what it finds.
  * Deterministic, whatever the number of threads.
- * \param[in] normals As computeSurfaces() gives them, one per voxel. */
-EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const std::vector<Eigen::Vector3f>& normals,
-                        const EdgeParams& params);
-/** \overload that computes the normals. */
+ * \param[in] candidates The voxels to decide on.
+ * \param[in] neighbours Those whose normals eq. (5) compares with: all of the map's, or some that
+ * are spread evenly. \param[in] occupied All of the map's, to walk on. */
+EdgeVoxels extractEdges(const SurfaceVoxels& candidates, const SurfaceVoxels& neighbours,
+                        const VoxelBlocks& occupied, const EdgeParams& params);
+/** \overload for all of a map's voxels. */
 EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const EdgeParams& params);
 
 }  // namespace mrpt::fusion

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <mrpt/fusion/association.h>
+#include <mrpt/fusion/voxel_blocks.h>
 #include <octomap/OcTree.h>
 
 #include <Eigen/Geometry>
@@ -52,9 +53,10 @@ double overlapOf(size_t matches, size_t model_voxels, size_t scene_voxels);
  * 0.9 - Theta / 2 up to 0.6, then 0.6. The paper's Fig. 9: 0.7 at 0.4. */
 double acceptanceThreshold(double overlap);
 
-/** Looks each occupied voxel of the scene up in the model's octree, one way. O(voxels). */
-FreeSpaceCheck checkFreeSpace(const octomap::OcTree& model, const OccupiedVoxels& scene,
-                              const Eigen::Isometry3d& T_model_scene);
+/** Looks each occupied voxel of the scene up in the model, one way. \param[in] occupied All of the
+ * model's occupied voxels. O(voxels of the scene). */
+FreeSpaceCheck checkFreeSpace(const octomap::OcTree& model, const VoxelBlocks& occupied,
+                              const OccupiedVoxels& scene, const Eigen::Isometry3d& T_model_scene);
 
 /** Eqs. (23)-(25) on the pairs of a match, joined by what they ignore: a wrong pose can lay floor
  * on floor, but it puts walls where the other robot has seen free space. \param[in] pairs Of voxels

@@ -9,20 +9,28 @@
 
 #include <Eigen/Geometry>
 #include <functional>
+#include <utility>
 #include <vector>
 
 /** \file The paper's Sec. IV-A: two-level probabilistic map matching (PMM), edges, then voxels. */
 
 namespace mrpt::fusion {
 
+struct MatchParams;
+
 /** What matching needs of a map; computed once per map. */
 struct MapFeatures {
   const octomap::OcTree* map = nullptr;  ///< not owned, must outlive the features
-  OccupiedVoxels voxels;
-  Surfaces surfaces;  ///< of the voxels
-  EdgeVoxels edges;
+  OccupiedVoxels voxels;                 ///< all
+  VoxelBlocks occupied;                  ///< the same, by their place
+  SurfaceVoxels matched;                 ///< those that the levels work on
+  EdgeVoxels edges;                      ///< at most one for each of these
 };
-MapFeatures computeFeatures(const octomap::OcTree& map, const EdgeParams& params);
+MapFeatures computeFeatures(const octomap::OcTree& map, const MatchParams& params);
+/** \overload for two maps at once. */
+std::pair<MapFeatures, MapFeatures> computeFeatures(const octomap::OcTree& map_a,
+                                                    const octomap::OcTree& map_b,
+                                                    const MatchParams& params);
 
 struct LevelParams {
   unsigned max_iterations = 30;
@@ -39,14 +47,19 @@ enum class VoxelMetric {
 
 struct MatchParams {
   EdgeParams edges;
+  /** The levels work on one voxel in each cube of the octree that is at least this wide, the most
+   * likely occupied one, which counts for all of them (not in the paper, which takes all: 0), m. */
+  double voxel_spacing = 0.2;
   SearchParams search;
   WeightParams weights;
   /** Unit of eq. (4) beside eq. (6) at the edge level. */
   VoxelCovariance voxel_covariance = VoxelCovariance::Plain;
-  LevelParams edge_level{30, 2.0, 2.0};   ///< Table I
+  LevelParams edge_level{30, 2.0, 0.8};   ///< gate: Table I
   LevelParams voxel_level{30, 0.5, 0.2};  ///< gate: Table I; never below two voxels
   VoxelMetric voxel_metric = VoxelMetric::Surface;
   double flatness = 0.01;  ///< of a surface voxel: variance across over variance along it
+  /** Few steps: the pairs change before they have converged. */
+  SolverParams solver{2, 1e-5, 1e-5};
   /** A level has converged when an iteration moves the pose by less than both. */
   double min_step_translation = 1e-4;  ///< m
   double min_step_rotation = 1e-4;     ///< rad
@@ -91,25 +104,56 @@ MatchResult matchTwoLevel(const MapFeatures& a, const MapFeatures& b,
                           const Eigen::Isometry3d& T_a_b, const MatchParams& params,
                           const OnIteration& on_iteration = {});
 
+/** Some of a map's voxels. */
+struct Thinned {
+  std::vector<uint32_t> index;  ///< ascending
+  std::vector<float> weight;    ///< how many voxels each stands for
+};
 /** Some of a map's voxels, spread evenly: in each cube of the octree that is at least \a spacing
- * (m) wide the one most likely occupied of those with a normal, if any. Edges and map are the same.
- * O(voxels). */
-MapFeatures thinOut(const MapFeatures& features, double spacing);
+ * (m) wide the most likely occupied one, for all of them. O(voxels). */
+Thinned thinOut(const OccupiedVoxels& voxels, double spacing);
+/** \overload \param[in] is_better (i, j) -> bool, to choose another. */
+template <class IsBetter>
+Thinned thinOut(const OccupiedVoxels& voxels, double spacing, IsBetter&& is_better);
 
 /** As matchTwoLevel(), but from several starts (not in the paper): the guess carried through the
- * edge level, and the best poses that searchAround() finds near it. Each is refined on a few of B's
+ * edge level, and the best poses that searchAround() finds near it. Each is refined on a few
  * voxels; the one where the maps then agree best, see agreement(), goes through the voxel level.
  * Without a search (params.search.translation = 0) it is matchTwoLevel(). */
 MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
                       const MatchParams& params, const OnIteration& on_iteration = {});
 
-/** How well two maps agree at a pose: obstacles of each that the other confirms, less those that
- * lie in the other's free space. */
-double agreement(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b);
+/** How well two maps agree at a pose, by some voxels of each: obstacles that the other confirms,
+ * less those that lie in the other's free space. */
+double agreement(const MapFeatures& a, const OccupiedVoxels& of_a, const MapFeatures& b,
+                 const OccupiedVoxels& of_b, const Eigen::Isometry3d& T_a_b);
 
 /** The voxel pairs at a given pose, weighted and gated as the voxel level begins: what
  * evaluateMatch() judges. */
 Pairs pairVoxels(const OccupiedVoxels& a, const OccupiedVoxels& b, const Eigen::Isometry3d& T_a_b,
                  const MatchParams& params);
+
+// ------------------------------------------------------------------------------------------------
+
+template <class IsBetter>
+Thinned thinOut(const OccupiedVoxels& voxels, double spacing, IsBetter&& is_better) {
+  unsigned shift = 0;
+  while (voxels.resolution * (1U << shift) < spacing * (1 - 1e-9) && shift < 15) shift++;
+  const auto sameCube = [&](size_t i, size_t j) {
+    const octomap::OcTreeKey &a = voxels.key[i], &b = voxels.key[j];
+    return a[0] >> shift == b[0] >> shift && a[1] >> shift == b[1] >> shift &&
+           a[2] >> shift == b[2] >> shift;
+  };
+  Thinned kept;
+  const auto n = static_cast<uint32_t>(voxels.size());
+  for (uint32_t i = 0, next; i < n; i = next) {
+    uint32_t best = i;  // in the order of the octree's leaves a cube's voxels follow each other
+    for (next = i + 1; next < n && sameCube(i, next); next++)
+      if (is_better(next, best)) best = next;
+    kept.index.push_back(best);
+    kept.weight.push_back(static_cast<float>(next - i));
+  }
+  return kept;
+}
 
 }  // namespace mrpt::fusion

@@ -37,7 +37,8 @@ NormalEquations linearizeVoxels(const OccupiedVoxels& model, const OccupiedVoxel
  * voxel with a normal is a piece of surface, well known across it and hardly along it. W is eq.
  * (22)'s factor times (C_m + R C_s R')^-1, C = I - (1 - flatness) n n', so that surfaces slide
  * along each other; voxels without a normal have C = I. e is between the surfaces' points, not the
- * voxels' centres. \param[in] *_surface One piece per voxel. */
+ * voxels' centres. A scene voxel that stands for several (Surfaces::weight) counts as so many.
+ * \param[in] *_surface One piece per voxel. */
 NormalEquations linearizeSurfaces(const OccupiedVoxels& model, const Surfaces& model_surface,
                                   const OccupiedVoxels& scene, const Surfaces& scene_surface,
                                   const Pairs& pairs, const Eigen::Isometry3d& T_a_b,

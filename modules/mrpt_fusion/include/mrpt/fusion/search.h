@@ -19,8 +19,9 @@ struct SearchParams {
   double translation = 2.5;         ///< half width of the search in x and y, m; 0: no search
   double height = 0.6;              ///< half width in z, m
   double yaw = 0.3490658503988659;  ///< half width of the rotation about A's z axis, rad (20 deg)
-  double cell = 0.3;                ///< of the coarse grid, m; at least two voxels
-  unsigned hypotheses = 3;          ///< best distinct poses to return
+  double cell =
+      0.3;  ///< of the coarse grid, m; at least two voxels, rounded up to a cube of A's octree
+  unsigned hypotheses = 3;  ///< best distinct poses to return
 };
 
 /** An obstacle of one map that lies in the other's free space speaks as loud against a pose as so
@@ -39,11 +40,14 @@ struct Hypothesis {
  * moves by more than a cell from one to the next. An obstacle of B counts for a pose where A has
  * one too, and against it where A has seen free space, away from obstacles.
  *
+ * \param[in] a All of A's occupied voxels.
+ * \param[in] b Some of B's occupied voxels, spread evenly, about one to a cell.
  * \return The best poses that are three cells or 10 deg apart, best first: nearer ones lead to the
- * same place. Deterministic, whatever the number of threads. Cost: yaws * translations * coarse
- * cells of B, in contiguous runs of bytes.
+ * same place. Deterministic, whatever the number of threads. Cost: yaws * translations * voxels
+ * of B, in contiguous runs of bytes.
  */
-std::vector<Hypothesis> searchAround(const octomap::OcTree& map_a, const OccupiedVoxels& b,
-                                     const Eigen::Isometry3d& T_a_b, const SearchParams& params);
+std::vector<Hypothesis> searchAround(const octomap::OcTree& map_a, const OccupiedVoxels& a,
+                                     const OccupiedVoxels& b, const Eigen::Isometry3d& T_a_b,
+                                     const SearchParams& params);
 
 }  // namespace mrpt::fusion

@@ -36,6 +36,8 @@ struct EdgeCovariance {
  * Fewer than three points, or all in one place, tell no direction: all eigenvalues come out equal
  * (linearity() is 1/3). O(points). */
 EdgeCovariance edgeCovariance(const std::vector<Eigen::Vector3f>& neighbours);
+/** \overload for the covariance (m^2) of so many neighbours. */
+EdgeCovariance edgeCovariance(const Eigen::Matrix3d& covariance, size_t neighbours);
 
 /** Eqs. (7)-(9): the product of the voxel's and the edge's Gaussians,
  * (Sigma_p^-1 + Sigma_tau^-1)^-1, about their common mean.

@@ -3,83 +3,142 @@
 
 #include <octomap/OcTree.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
 
 namespace mrpt::fusion {
 
-/** Finds the voxels around voxels by their place on the grid: a hash of blocks of 4x4x4, each a
- * mask of 64 bits.
+/** Place of a finest voxel among the leaves of an octree, in the order of their traversal. */
+uint64_t octreeOrder(const octomap::OcTreeKey& key);
+
+/** Finds the voxels around places by their keys: blocks of 4x4x4 voxels and groups of 4x4x4 blocks,
+ * each a mask of 64 bits in the octree's order, and a hash of the groups.
  *
- * The blocks around a block are looked up once for all its voxels; what is within a radius is then
- * an AND with the mask of a ball, so that only occupied neighbours cost time. Memory: 96 bytes per
- * occupied block (a wall fills a quarter of its blocks), 4 per voxel. */
+ * What is within a radius is an AND with the masks of a ball, so that only what is there costs
+ * time. Memory: 88 bytes per occupied block (a wall fills a quarter of its blocks), 4 per voxel. */
 class VoxelBlocks {
  public:
-  /** Voxel i is known as i; keys must differ, in any order. O(n log n). */
-  explicit VoxelBlocks(const std::vector<octomap::OcTreeKey>& keys);
+  /** Voxel i is known as i; keys must differ, in any order. O(n) in the order of an octree's leaves
+   * (as of OccupiedVoxels), O(n log n) otherwise. */
+  explicit VoxelBlocks(const std::vector<octomap::OcTreeKey>& keys = {});
 
-  /** Number of occupied blocks. */
-  size_t size() const { return blocks_.size(); }
-
-  /** From a voxel to another, in voxels along each axis. */
+  /** Whole voxels along each axis: a place is a key that may lie outside of the key range, an
+   * offset leads from one place to another. */
+  using Place = std::array<int, 3>;
   using Offset = std::array<int, 3>;
 
-  /** All offsets of length at most a radius (voxels), zero included: for each cell of a block,
-   * which cells of the blocks around it. Memory: 512 bytes times (radius / 2 + 3)^3. */
+  /** All offsets longer than one radius and at most as long as another (voxels), as masks: for each
+   * cell of a block, which cells of the blocks around it. Memory: 512 bytes times
+   * (radius / 2 + 3)^3. */
   class Ball {
    public:
-    explicit Ball(double radius);
+    /** \param[in] beyond Negative: zero included. */
+    explicit Ball(double radius, double beyond = -1);
 
    private:
     friend class VoxelBlocks;
-    int reach_;                                    // blocks
-    std::vector<std::array<uint64_t, 64>> masks_;  // of each block around, x fastest; by cell
+    using Masks = std::array<uint64_t, 64>;  // by cell
+    int radius_;                             // in whole voxels
+    int reach_;                              // in blocks
+    std::vector<Masks> blocks_;              // of each block around, x fastest
+
+    const Masks& of(int x, int y, int z) const {
+      const int side = 2 * reach_ + 1;
+      return blocks_[static_cast<size_t>(((z + reach_) * side + y + reach_) * side + x + reach_)];
+    }
   };
 
-  /** Calls `visit(i, neighbours)` for each voxel i of a block; `neighbours(f)` then calls
-   * `f(j, offset)` for each voxel j within the ball around i, i itself included, in an order that
-   * depends on the keys alone. Different blocks may be visited from different threads. */
-  template <class Visit>
-  void forEachVoxel(size_t block, const Ball& ball, Visit&& visit) const;
+  /** Calls `f(j, offset)` for each voxel j within the ball around a place, occupied or not, in an
+   * order that depends on the keys alone. */
+  template <class F>
+  void forEachAround(const Place& place, const Ball& ball, F&& f) const;
+
+  /** True if there is a voxel within the ball around a place. */
+  bool anyAround(const Place& place, const Ball& ball) const;
+
+  /** Answers quickly whether voxels near a place are there. Not for several threads. */
+  class Window {
+   public:
+    /** \param[in] reach How far from the place it sees along each axis, voxels. */
+    Window(const VoxelBlocks& blocks, int reach);
+    void moveTo(const Place& place);
+    /** \param[in] offset From the place; within reach along each axis. */
+    bool has(const Offset& offset) const {
+      const int x = at_[0] + offset[0], y = at_[1] + offset[1], z = at_[2] + offset[2];
+      return masks_[index(x >> 2, y >> 2, z >> 2)] >> cellOf(x, y, z) & 1U;
+    }
+    /** Calls `f(offset)` for each voxel within the ball around an offset that it sees all of. */
+    template <class F>
+    void forEachAround(const Offset& offset, const Ball& ball, F&& f) const;
+
+   private:
+    size_t index(int x, int y, int z) const {
+      return static_cast<size_t>((z * side_ + y) * side_ + x);
+    }
+    const VoxelBlocks& blocks_;
+    int reach_, side_;             // blocks: on each side of the place's own, and in all
+    Place at_{};                   // from the lowest cell of the lowest block
+    std::vector<uint64_t> masks_;  // of the blocks, x fastest
+    std::vector<size_t> present_;
+  };
 
  private:
-  struct Block {
-    uint64_t mask = 0;               // bit of cell (x, y, z): x + 4 y + 16 z
-    uint32_t first = 0;              // where its voxels begin in voxels_, in the order of the bits
-    std::array<int, 3> place{};      // its key, in blocks
-    std::array<uint8_t, 64> rank{};  // of each cell's voxel among the block's
-  };
-  /** A block near another. */
-  struct Near {
-    const Block* block;
-    const std::array<uint64_t, 64>* masks;
-    Offset offset;  // voxels
-  };
+  static constexpr uint32_t kNone = ~uint32_t{0};
 
-  static uint64_t keyOf(const std::array<int, 3>& place) {
+  /** Which of 64 cells are there; what they hold lies in their order, one after the other. */
+  struct Cells {
+    uint64_t mask = 0;
+    uint32_t first = kNone;
+    std::array<uint8_t, 64> rank{};  // of each cell among those that are there
+
+    uint32_t at(int cell) const { return first + rank[static_cast<size_t>(cell)]; }
+  };
+  struct Block : Cells {  // of voxels_
+    Place place{};        // its key, in blocks
+  };
+  struct Slot : Cells {  // a group, of blocks_
+    uint64_t key = 0;
+  };
+  /** Coordinates of a cell, and the cell of (the last two bits of) coordinates. */
+  static constexpr int xOf(int cell) { return (cell & 1) | (cell >> 2 & 2); }
+  static constexpr int yOf(int cell) { return xOf(cell >> 1); }
+  static constexpr int zOf(int cell) { return xOf(cell >> 2); }
+  static constexpr int spread(int b) { return (b & 1) | (b & 2) << 2; }
+  static constexpr int cellOf(int x, int y, int z) {
+    return spread(x) | spread(y) << 1 | spread(z) << 2;
+  }
+  static void add(Cells& cells, int cell, uint32_t content);
+
+  static uint64_t keyOf(int x, int y, int z) {
     const auto part = [](int b) { return static_cast<uint64_t>(b) & 0xFFFFFU; };
-    return part(place[0]) | part(place[1]) << 20U | part(place[2]) << 40U;
+    return part(x) | part(y) << 20U | part(z) << 40U;
   }
   static uint64_t hash(uint64_t key) { return (key * 0x9E3779B97F4A7C15ULL) >> 32U; }
-  /** The block at a place, or null. */
-  const Block* find(const std::array<int, 3>& place) const {
-    const uint64_t key = keyOf(place);
+  /** The group at a place (groups), or null. */
+  const Slot* find(int x, int y, int z) const {
+    const uint64_t key = keyOf(x, y, z);
     for (size_t slot = hash(key) & slot_mask_;; slot = (slot + 1) & slot_mask_) {
-      if (slots_[slot].block == kNone) return nullptr;
-      if (slots_[slot].key == key) return &blocks_[slots_[slot].block];
+      if (slots_[slot].first == kNone) return nullptr;
+      if (slots_[slot].key == key) return &slots_[slot];
     }
   }
-  std::vector<Near> near(const Block& block, const Ball& ball) const;
+  /** Calls `f(block)` for the blocks from one place to another (blocks), both included, until f
+   * returns true. */
+  template <class F>
+  void forEachBlock(const Place& low, const Place& high, F&& f) const;
+  /** The cells of a cube whose coordinate along an axis is in [low, high], cut to the cube. */
+  static uint64_t range(unsigned axis, int low, int high) {
+    return kLess[axis][std::clamp(high, -1, 3) + 1] & ~kLess[axis][std::clamp(low, 0, 4)];
+  }
+  /** Of each axis, the cells whose coordinate is less than 0 to 4. */
+  static constexpr uint64_t kLess[3][5] = {
+      {0, 0x0055005500550055, 0x00FF00FF00FF00FF, 0x55FF55FF55FF55FF, ~uint64_t{0}},
+      {0, 0x0000333300003333, 0x0000FFFF0000FFFF, 0x3333FFFF3333FFFF, ~uint64_t{0}},
+      {0, 0x000000000F0F0F0F, 0x00000000FFFFFFFF, 0x0F0F0F0FFFFFFFFF, ~uint64_t{0}}};
 
-  static constexpr uint32_t kNone = ~uint32_t{0};
-  struct Slot {
-    uint64_t key = 0;
-    uint32_t block = kNone;
-  };
-
-  std::vector<Block> blocks_;     // in the order of their keys
+  std::vector<Block> blocks_;     // in the order of the octree
   std::vector<uint32_t> voxels_;  // of all blocks
   std::vector<Slot> slots_;
   uint64_t slot_mask_ = 0;
@@ -87,25 +146,57 @@ class VoxelBlocks {
 
 // ------------------------------------------------------------------------------------------------
 
-template <class Visit>
-void VoxelBlocks::forEachVoxel(size_t b, const Ball& ball, Visit&& visit) const {
-  const Block& block = blocks_[b];
-  const std::vector<Near> blocks_near = near(block, ball);
-  for (uint64_t rest = block.mask; rest; rest &= rest - 1) {
-    const int cell = __builtin_ctzll(rest);
-    const int x = cell & 3, y = (cell >> 2) & 3, z = cell >> 4;
-    visit(voxels_[block.first + block.rank[static_cast<size_t>(cell)]], [&](auto&& f) {
-      for (const Near& n : blocks_near) {
-        uint64_t found = n.block->mask & (*n.masks)[static_cast<size_t>(cell)];
+template <class F>
+void VoxelBlocks::forEachBlock(const Place& low, const Place& high, F&& f) const {
+  for (int gz = low[2] >> 2; gz <= high[2] >> 2; gz++)
+    for (int gy = low[1] >> 2; gy <= high[1] >> 2; gy++)
+      for (int gx = low[0] >> 2; gx <= high[0] >> 2; gx++) {
+        const Slot* group = find(gx, gy, gz);
+        if (!group) continue;
+        uint64_t found = group->mask & range(0, low[0] - 4 * gx, high[0] - 4 * gx) &
+                         range(1, low[1] - 4 * gy, high[1] - 4 * gy) &
+                         range(2, low[2] - 4 * gz, high[2] - 4 * gz);
+        for (; found; found &= found - 1)
+          if (f(blocks_[group->at(__builtin_ctzll(found))])) return;
+      }
+}
+
+template <class F>
+void VoxelBlocks::Window::forEachAround(const Offset& offset, const Ball& ball, F&& f) const {
+  const int x = at_[0] + offset[0], y = at_[1] + offset[1], z = at_[2] + offset[2];
+  const auto cell = static_cast<size_t>(cellOf(x, y, z));
+  const int r = ball.radius_;
+  for (int bz = (z - r) >> 2; bz <= (z + r) >> 2; bz++)
+    for (int by = (y - r) >> 2; by <= (y + r) >> 2; by++)
+      for (int bx = (x - r) >> 2; bx <= (x + r) >> 2; bx++) {
+        uint64_t found = masks_[index(bx, by, bz)];
+        if (!found) continue;
+        found &= ball.of(bx - (x >> 2), by - (y >> 2), bz - (z >> 2))[cell];
         for (; found; found &= found - 1) {
           const int other = __builtin_ctzll(found);
-          f(voxels_[n.block->first + n.block->rank[static_cast<size_t>(other)]],
-            Offset{n.offset[0] + (other & 3) - x, n.offset[1] + ((other >> 2) & 3) - y,
-                   n.offset[2] + (other >> 4) - z});
+          f(Offset{4 * bx + xOf(other) - at_[0], 4 * by + yOf(other) - at_[1],
+                   4 * bz + zOf(other) - at_[2]});
         }
       }
-    });
-  }
+}
+
+template <class F>
+void VoxelBlocks::forEachAround(const Place& place, const Ball& ball, F&& f) const {
+  const auto [x, y, z] = place;
+  const auto cell = static_cast<size_t>(cellOf(x, y, z));
+  const int r = ball.radius_;
+  forEachBlock(
+      {(x - r) >> 2, (y - r) >> 2, (z - r) >> 2}, {(x + r) >> 2, (y + r) >> 2, (z + r) >> 2},
+      [&](const Block& block) {
+        const auto [bx, by, bz] = block.place;
+        uint64_t found = block.mask & ball.of(bx - (x >> 2), by - (y >> 2), bz - (z >> 2))[cell];
+        for (; found; found &= found - 1) {
+          const int other = __builtin_ctzll(found);
+          f(voxels_[block.at(other)],
+            Offset{4 * bx + xOf(other) - x, 4 * by + yOf(other) - y, 4 * bz + zOf(other) - z});
+        }
+        return false;
+      });
 }
 
 }  // namespace mrpt::fusion

@@ -8,6 +8,7 @@
 #include <mrpt/maps/CProbOctoMap.h>
 #include <mrpt/poses/CPose3DPDFGaussian.h>
 #include <mrpt/slam/CMetricMapsAlignmentAlgorithm.h>
+#include <mrpt/system/CTimeLogger.h>
 
 #include <functional>
 #include <string>
@@ -85,6 +86,9 @@ class CProbabilisticMapMatching : public CMetricMapsAlignmentAlgorithm {
   mrpt::maps::CProbOctoMap merge(const mrpt::maps::CMetricMap& m1, const mrpt::maps::CMetricMap& m2,
                                  const mrpt::poses::CPose3D& pose) const;
   /** @} */
+
+  /** Times the steps, once enabled: features, match, evaluate, merge, edges. */
+  mutable mrpt::system::CTimeLogger profiler{false, "CProbabilisticMapMatching"};
 
   /** Called after each iteration of Align3DPDF(), if set. */
   std::function<void(const mrpt::fusion::IterationRecord&)> onIteration;

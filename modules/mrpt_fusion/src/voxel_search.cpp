@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxel_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace mrpt::fusion {
+
+VoxelSearch::VoxelSearch(const std::vector<Eigen::Vector3f>& points, double cell)
+    : points_(points) {
+  build(cell);
+}
+
+void VoxelSearch::build(double cell) {
+  const std::vector<Eigen::Vector3f>& points = points_;
+  rings_.clear();
+  first_ = {0};
+  if (points.empty()) return;
+  Eigen::Vector3f high = points[0];
+  low_ = points[0];
+  for (const auto& p : points) {
+    low_ = low_.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  constexpr double kKeys = 65536;  // along an axis
+  const double extent = (high - low_).cast<double>().maxCoeff();
+  if (!(cell > 0)) cell = std::max(extent / std::cbrt(static_cast<double>(points.size())), 1e-6);
+  cell = std::max(cell, extent / (kKeys - 2));
+  cell_ = static_cast<float>(cell);
+  const auto origin = static_cast<float>(0.5 * kKeys * cell);
+  if (low_.minCoeff() >= -origin && high.maxCoeff() < origin)
+    low_.setConstant(-origin);  // an octree's voxels keep their keys, and so their order
+  else
+    low_ -= Eigen::Vector3f::Constant(0.5F * cell_);
+
+  std::vector<octomap::OcTreeKey> keys(points.size());
+  float off_centre = 0;
+  for (size_t i = 0; i < points.size(); i++) {
+    const Eigen::Vector3f place = (points[i] - low_) / cell_;
+    for (unsigned axis = 0; axis < 3; axis++)
+      keys[i][axis] = static_cast<octomap::key_type>(floorOf(place[axis]));
+    const Eigen::Vector3f centre(keys[i][0] + 0.5F, keys[i][1] + 0.5F, keys[i][2] + 0.5F);
+    off_centre = std::max(off_centre, (place - centre).squaredNorm());
+  }
+  constexpr double kRounding = 1e-2;
+  slack_ = std::sqrt(0.75) + std::sqrt(off_centre) + kRounding;
+
+  point_.resize(points.size());
+  std::iota(point_.begin(), point_.end(), 0);
+  const auto before = [&](uint32_t i, uint32_t j) {
+    return octreeOrder(keys[i]) < octreeOrder(keys[j]);
+  };
+  if (!std::is_sorted(point_.begin(), point_.end(), before))
+    std::stable_sort(point_.begin(), point_.end(), before);
+  std::vector<octomap::OcTreeKey> cells;
+  first_.clear();
+  for (uint32_t k = 0; k < point_.size(); k++)
+    if (k == 0 || keys[point_[k]] != keys[point_[k - 1]]) {
+      cells.push_back(keys[point_[k]]);
+      first_.push_back(k);
+    }
+  first_.push_back(static_cast<uint32_t>(point_.size()));
+  blocks_ = VoxelBlocks(cells);
+}
+
+void VoxelSearch::prepare(double gate) {
+  constexpr double kBeside = 1.8;  // the 26 cells around one: where most answers are
+  // With wide gates a fine grid is mostly empty cells to look into.
+  constexpr double kMostCells = 12;
+  if (gate > kMostCells * cell_) build(gate / kMostCells);
+  const double radius = gate / cell_ + slack_;
+  while (rings_.empty() || prepared_ < radius) {
+    const double next = rings_.empty() ? kBeside : std::min(1.6 * prepared_, radius);
+    const double sure = std::max(0.0, next - slack_) * cell_;
+    rings_.push_back(
+        {VoxelBlocks::Ball(next, rings_.empty() ? -1 : kBeside), static_cast<float>(sure * sure)});
+    prepared_ = next;
+  }
+}
+
+}  // namespace mrpt::fusion

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/fusion/voxel_blocks.h>
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+namespace mrpt::fusion {
+
+/** Finds the nearest of many points that lie on a grid, or nearly one to a cell: it looks around
+ * the place asked for, then as far as needed, and needs no walk down a tree. Building is O(n), a
+ * query costs what lies within the distance of its answer. */
+class VoxelSearch {
+ public:
+  /** \param[in] points Metres; must outlive the search. \param[in] cell Side of the grid's cells,
+   * m; any, if not positive. Fastest where it is the grid of the points. */
+  VoxelSearch(const std::vector<Eigen::Vector3f>& points, double cell);
+
+  /** Makes ready for queries up to a distance, m, on a coarser grid if need be. Not while a query
+   * runs. */
+  void prepare(double gate);
+
+  static constexpr uint32_t kNone = ~uint32_t{0};
+
+  struct Nearest {
+    uint32_t index = kNone;
+    float distance;  ///< as \a distance gives it
+  };
+  /** The point of the least distance below best.distance; of two as near the one of lower index.
+   * \param[in] best With what to begin: how far to look (squared, m^2; at most the gate prepared
+   * for), and a point of that distance, if one is known.
+   * \param[in] distance (index) -> squared distance of a point, m^2, not less than the Euclidean.
+   */
+  template <class Distance>
+  Nearest nearest(const Eigen::Vector3f& p, Nearest best, Distance&& distance) const {
+    const Eigen::Vector3f place = (p - low_) / cell_;
+    if (!(place.cwiseAbs().maxCoeff() < kFarthestPlace)) return best;
+    const VoxelBlocks::Place at{floorOf(place.x()), floorOf(place.y()), floorOf(place.z())};
+    const auto look = [&](const Ring& ring) {
+      blocks_.forEachAround(at, ring.ball, [&](uint32_t c, const VoxelBlocks::Offset&) {
+        for (uint32_t k = first_[c]; k < first_[c + 1]; k++) {
+          const uint32_t i = point_[k];
+          const float d = distance(i);
+          if (d > best.distance || (d == best.distance && i >= best.index)) continue;
+          if (d == best.distance && best.index == kNone) continue;  // the gate itself is outside
+          best = {i, d};
+        }
+      });
+    };
+    look(rings_.front());
+    if (best.distance < rings_.front().sure) return best;
+    size_t wide = 1;  // the narrowest that holds all that could be nearer still
+    while (wide + 1 < rings_.size() && rings_[wide].sure <= best.distance) wide++;
+    if (wide < rings_.size()) look(rings_[wide]);
+    return best;
+  }
+
+ private:
+  static constexpr float kFarthestPlace = 1e6F;  // cells; the grid has 2^16
+
+  struct Ring {
+    VoxelBlocks::Ball ball;  ///< the first is whole, the others are what lies beyond it
+    float sure;              ///< points nearer than this (squared, m^2) lie within the radius
+  };
+  static int floorOf(float x) {
+    const int i = static_cast<int>(x);
+    return i - (x < static_cast<float>(i) ? 1 : 0);
+  }
+
+  void build(double cell);
+
+  const std::vector<Eigen::Vector3f>& points_;
+  Eigen::Vector3f low_ = Eigen::Vector3f::Zero();
+  float cell_ = 1;
+  double slack_ = 0;     // cells: how much nearer a point can be than its cell's offset is long
+  double prepared_ = 0;  // the largest radius, cells
+  VoxelBlocks blocks_;   // cells that hold points
+  std::vector<uint32_t> first_, point_;  // the points of each cell
+  std::vector<Ring> rings_;
+};
+
+}  // namespace mrpt::fusion
