@@ -80,6 +80,15 @@ TEST_F(SingleSteps, InfoTakesEveryKindOfFile) {
     EXPECT_EQ(mapFusion("info " + file).code, 0) << file;
 }
 
+TEST_F(SingleSteps, CompressedMapsAreSavedByManyAtOnce) {
+  run("for name in a b c d; do " MAP_FUSION " transform -q " + pair("map_a.ot") +
+      " --pose '[0 0 0 0 0 0]' -o $name.gz & done; wait");
+  for (const std::string name : {"a.gz", "b.gz", "c.gz", "d.gz"}) {
+    EXPECT_TRUE(readFile(dir_ / name) == readFile(dir_ / "a.gz")) << name;
+    EXPECT_EQ(mapFusion("info -q " + name).code, 0) << name;
+  }
+}
+
 TEST_F(SingleSteps, QuietIsSilent) {
   const auto r = mapFusion("info -q " + pair("map_a.ot"));
   EXPECT_EQ(r.code, 0);

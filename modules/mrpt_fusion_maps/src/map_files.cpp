@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/io/CMemoryStream.h>
 #include <mrpt/io/CStream.h>
-#include <mrpt/io/zip.h>
 #include <mrpt/maps/CMultiMetricMap.h>
 #include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/maps/error_text.h>
@@ -14,12 +13,15 @@
 #include <mrpt/poses/CPose3DInterpolator.h>
 #include <mrpt/serialization/CArchive.h>
 #include <mrpt/system/filesystem.h>
+#define ZLIB_CONST  // input is const
 #include <zlib.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
+#include <string_view>
+#include <vector>
 
 using namespace mrpt::obs;
 using mrpt::poses::CPose3D;
@@ -233,6 +235,33 @@ std::string beginningOf(const std::string& path) {
   return bytes;
 }
 
+/** \a bytes in gzip's format, compressed in memory: MRPT's compress_gz_data_block goes through a
+ * named pipe in /tmp, and what it returns has been seen cut short. */
+std::string gzCompressed(std::string_view bytes) {
+  z_stream stream{};
+  constexpr int kGzipFormat = 16;
+  if (::deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, MAX_WBITS + kGzipFormat, 8,
+                     Z_DEFAULT_STRATEGY) != Z_OK)
+    throw std::bad_alloc();
+  std::string compressed;
+  std::vector<Bytef> block(1U << 18U);
+  int state = Z_OK;
+  while (state != Z_STREAM_END) {
+    if (stream.avail_in == 0 && !bytes.empty()) {  // zlib counts in 32 bits
+      const auto next = bytes.substr(0, 1U << 30U);
+      stream.next_in = reinterpret_cast<const Bytef*>(next.data());
+      stream.avail_in = static_cast<uInt>(next.size());
+      bytes.remove_prefix(next.size());
+    }
+    stream.next_out = block.data();
+    stream.avail_out = static_cast<uInt>(block.size());
+    state = ::deflate(&stream, bytes.empty() ? Z_FINISH : Z_NO_FLUSH);
+    compressed.append(block.begin(), block.end() - stream.avail_out);
+  }
+  ::deflateEnd(&stream);
+  return compressed;
+}
+
 /** The first object of a file that is not an octree's. \exception If it cannot be read at all. */
 CSerializable::Ptr firstObject(const std::string& path) {
   if (beginningOf(path).empty()) readFileBytes(path);  // says why: missing, a directory, empty
@@ -300,10 +329,7 @@ void saveMap(const CMetricMap& map, const std::string& path) {
     writeFileAtomically(path, {bytes, size});
     return;
   }
-  std::vector<uint8_t> plain(bytes, bytes + size), compressed;
-  if (!mrpt::io::zip::compress_gz_data_block(plain, compressed))
-    throw std::runtime_error(path + ": cannot be compressed");
-  writeFileAtomically(path, {reinterpret_cast<const char*>(compressed.data()), compressed.size()});
+  writeFileAtomically(path, gzCompressed({bytes, size}));
 }
 
 }  // namespace mrpt::maps

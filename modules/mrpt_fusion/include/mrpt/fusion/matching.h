@@ -54,7 +54,7 @@ struct MatchParams {
   WeightParams weights;
   /** Unit of eq. (4) beside eq. (6) at the edge level. */
   VoxelCovariance voxel_covariance = VoxelCovariance::Plain;
-  LevelParams edge_level{30, 2.0, 0.8};   ///< gate: Table I
+  LevelParams edge_level{30, 2.0, 2.0};   ///< Table I
   LevelParams voxel_level{30, 0.5, 0.2};  ///< gate: Table I; never below two voxels
   VoxelMetric voxel_metric = VoxelMetric::Surface;
   double flatness = 0.01;  ///< of a surface voxel: variance across over variance along it
