@@ -30,6 +30,7 @@ Options paperOptions() {
   o.match.voxel_spacing = 0;
   o.match.search.translation = 0;
   o.match.voxel_metric = mrpt::fusion::VoxelMetric::Point;
+  o.match.edge_level.final_gate = o.match.edge_level.gate;
   o.match.voxel_level.final_gate = o.match.voxel_level.gate;
   o.match.solver.max_steps = 10;
   o.evaluation.max_free_conflict = 1;

@@ -81,12 +81,13 @@ std::vector<Entry> entriesOf(CProbabilisticMapMatching::TConfigParams& o) {
   add("k2", m.weights.k2, 0, kInf, "Factor of the direction weight, eq. (20)");
   add("edge_gate", m.edge_level.gate, 0, kInf, "Gate of edge pairs, m (Table I: 2)");
   add("edge_final_gate", m.edge_level.final_gate, 0, kInf,
-      "The gate of edge pairs shrinks to this, by a fifth each iteration, m");
+      "The gate of edge pairs shrinks to this, by a fifth when an iteration moves less than a "
+      "twentieth of it, m");
   add("edge_iterations", m.edge_level.max_iterations, 0, kInf,
       "Most iterations at the edge level; 0: skip the level", count);
   add("voxel_gate", m.voxel_level.gate, 0, kInf, "Gate of voxel pairs, m (Table I: 0.5)");
   add("voxel_final_gate", m.voxel_level.final_gate, 0, kInf,
-      "The gate of voxel pairs shrinks to this, by a fifth each iteration, m (least: 2 voxels)");
+      "The gate of voxel pairs shrinks to this in the same way, m (least: 2 voxels)");
   add("flatness", m.flatness, 1e-6, 1,
       "Of a piece of surface: variance across over variance along it (voxel_metric = surface)");
   add("voxel_iterations", m.voxel_level.max_iterations, 0, kInf,

@@ -32,6 +32,7 @@ Pairs firstPairs(const LevelProblem& problem, const Eigen::Isometry3d& T, double
 Pairs runLevel(const LevelProblem& problem, const LevelParams& level, double least_gate,
                const MatchParams& params, MatchResult& result, const OnIteration& on_iteration) {
   constexpr double kGateShrink = 0.8;
+  constexpr double kSettled = 0.05;  // of the gate: a longer step still needs the far pairs
   const double final_gate = std::min(level.gate, std::max(level.final_gate, least_gate));
   double gate = level.gate;
   Pairs pairs = firstPairs(problem, result.T_a_b, gate);
@@ -54,7 +55,7 @@ Pairs runLevel(const LevelProblem& problem, const LevelParams& level, double lea
     result.iterations.push_back(record);
     if (on_iteration) on_iteration(record);
     const bool gate_is_final = gate <= final_gate;
-    gate = std::max(final_gate, kGateShrink * gate);
+    if (record.step_translation < kSettled * gate) gate = std::max(final_gate, kGateShrink * gate);
     pairs = problem.associate(T, problem.weights(mse), gate, nullptr);
     if (gate_is_final && record.step_translation < params.min_step_translation &&
         record.step_rotation < params.min_step_rotation)

@@ -29,8 +29,8 @@ struct EdgeParams {
   double trace_distance = 0.5;                   ///< d_T, m
   double trace_step_angle = 0.2617993877991494;  ///< delta, rad (15 deg)
   /** Walks leave across the edge that the normals around a voxel suggest, up to this far to either
-   * side of that direction, and along it; rad (45 deg). The paper: in all directions, 90 deg. */
-  double trace_window = 0.7853981633974483;
+   * side of that direction, and along it; rad (30 deg). The paper: in all directions, 90 deg. */
+  double trace_window = 0.5235987755982988;
   double alpha_min = 1.3962634015954636;  ///< angle window of the two traces, rad (80 deg)
   double alpha_max = 1.7453292519943295;  ///< rad (100 deg)
   unsigned outlier_neighbours = 8;  ///< neighbours whose mean distance tells an outlier (line 23)

@@ -35,7 +35,8 @@ std::pair<MapFeatures, MapFeatures> computeFeatures(const octomap::OcTree& map_a
 struct LevelParams {
   unsigned max_iterations = 30;
   double gate = 2.0;  ///< pairs are closer than this by the level's descriptor distance, m
-  /** The gate shrinks to this, by a fifth each iteration, m; as published: the gate itself. */
+  /** The gate shrinks to this, by a fifth when an iteration moves b less than a twentieth of it, m;
+   * as published: the gate itself. */
   double final_gate = 2.0;
 };
 
@@ -54,7 +55,7 @@ struct MatchParams {
   WeightParams weights;
   /** Unit of eq. (4) beside eq. (6) at the edge level. */
   VoxelCovariance voxel_covariance = VoxelCovariance::Plain;
-  LevelParams edge_level{30, 2.0, 2.0};   ///< Table I
+  LevelParams edge_level{30, 2.0, 0.8};   ///< gate: Table I
   LevelParams voxel_level{30, 0.5, 0.2};  ///< gate: Table I; never below two voxels
   VoxelMetric voxel_metric = VoxelMetric::Surface;
   double flatness = 0.01;  ///< of a surface voxel: variance across over variance along it
