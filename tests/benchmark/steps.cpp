@@ -150,10 +150,10 @@ void surfaces(State& state, const Workload& w) {
 void edges(State& state, const Workload& w) {
   const SurfaceVoxels& matched = w.a.matched;
   const auto e = measure(
-      state, [&] { return extractEdges(matched, matched, w.a.occupied, w.params.edges); });
-  report(state, w.a.voxels.size(),  // all keys, the matched voxels and surfaces in, edges out
-         bytesOf(w.a.voxels.key) + bytesOf(matched.voxels) + bytesOf(matched.surfaces) +
-             bytesOf(e));
+      state, [&] { return extractEdges(w.a.voxels, w.a.occupied, matched, w.params.edges); });
+  report(
+      state, w.a.voxels.size(),  // all keys, the matched voxels and surfaces in, edges out
+      bytesOf(w.a.voxels.key) + bytesOf(matched.voxels) + bytesOf(matched.surfaces) + bytesOf(e));
 }
 
 /** Extraction, index, surfaces and edges as matching does them. */

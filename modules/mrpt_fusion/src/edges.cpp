@@ -17,6 +17,8 @@ double radiusInVoxels(double radius, double min_voxels, double resolution) {
   return std::max(radius / resolution, min_voxels);
 }
 
+constexpr uint32_t kNone = ~uint32_t{0};
+
 VoxelBlocks::Place placeOf(const octomap::OcTreeKey& key) { return {key[0], key[1], key[2]}; }
 
 /** Mean and spread of a set of offsets. Sums of whole numbers are exact, whatever their order. */
@@ -55,12 +57,38 @@ class Moments {
   int64_t n_ = 0, x_ = 0, y_ = 0, z_ = 0, xx_ = 0, xy_ = 0, xz_ = 0, yy_ = 0, yz_ = 0, zz_ = 0;
 };
 
+/** lambda_3 / (lambda_1 + lambda_2 + lambda_3), the eigenvalues ascending, if there is a plane. */
+std::optional<double> surfaceVariation(const Eigen::Vector3d& eigenvalues,
+                                       const EdgeParams& params) {
+  const double variation = eigenvalues[0] / eigenvalues.sum();
+  if (!(eigenvalues[1] > 1e-6) || variation > params.max_surface_variation) return std::nullopt;
+  return variation;
+}
+
 Moments momentsAround(const VoxelBlocks& blocks, const VoxelBlocks::Ball& ball,
                       const octomap::OcTreeKey& key) {
   Moments moments;
   blocks.forEachAround(placeOf(key), ball,
                        [&](uint32_t, const VoxelBlocks::Offset& o) { moments.add(o); });
   return moments;
+}
+
+/** The plane through the voxels around one. */
+struct Plane {
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // unit vector, or zero: there is none
+  float variation = 0;
+  float height = 0;  // above the voxel along the normal, voxels
+};
+Plane surfaceAround(const VoxelBlocks& occupied, const VoxelBlocks::Ball& ball,
+                    const octomap::OcTreeKey& key, const EdgeParams& params) {
+  const Moments moments = momentsAround(occupied, ball, key);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> pca;
+  pca.computeDirect(moments.covariance());
+  const auto variation = surfaceVariation(pca.eigenvalues(), params);
+  if (!variation) return {};
+  const Eigen::Vector3d normal = pca.eigenvectors().col(0);
+  return {normal.cast<float>(), static_cast<float>(*variation),
+          static_cast<float>(normal.dot(moments.mean()))};
 }
 
 /** Eq. (5) for one voxel that has a normal: \a near are those around it, itself included. */
@@ -91,8 +119,11 @@ Eigen::Vector3f acrossEdge(const VoxelBlocks& near, const VoxelBlocks::Ball& bal
     uv += a * b;
     vv += b * b;
   });
-  const float angle = 0.5F * std::atan2(2 * uv, uu - vv);
-  return std::cos(angle) * u + std::sin(angle) * v;
+  // The larger principal axis of the 2x2 scatter, at half the angle of (uu - vv, 2 uv).
+  const float x = uu - vv, y = 2 * uv, length = std::hypot(x, y);
+  if (length == 0) return u;
+  return x >= 0 ? ((length + x) * u + y * v).normalized()
+                : (std::abs(y) * u + std::copysign(length - x, y) * v).normalized();
 }
 
 /** Walks along the surface around one voxel (Algorithm 1, lines 9-16).
@@ -285,37 +316,59 @@ bool isBend(SurfaceTracer& tracer, const std::vector<Eigen::Vector2f>& direction
                      [&](const Eigen::Vector2f& d) { return isEdge(bend(d)); });
 }
 
-/** Lines 7-22: whether each voxel is an edge. */
-std::vector<uint8_t> detectEdges(const SurfaceVoxels& candidates, const SurfaceVoxels& neighbours,
-                                 const VoxelBlocks& occupied, const EdgeParams& params) {
-  const auto& [voxels, surfaces] = candidates;
-  const std::vector<Eigen::Vector3f>& normals = neighbours.surfaces.normal;
-  const VoxelBlocks near(neighbours.voxels.key);
+/** Lines 7-22: of the voxels that each piece of surface stands for the one that is an edge, or
+ * kNone. */
+std::vector<uint32_t> detectEdges(const OccupiedVoxels& voxels, const VoxelBlocks& occupied,
+                                  const SurfaceVoxels& pieces, const EdgeParams& params) {
+  const Surfaces& surfaces = pieces.surfaces;
+  const VoxelBlocks near(pieces.voxels.key);
   const VoxelBlocks::Ball cost_ball(
       radiusInVoxels(params.cost_radius, params.min_cost_radius_voxels, voxels.resolution));
   const VoxelBlocks::Ball bend_ball(
       radiusInVoxels(params.normal_radius, params.min_normal_radius_voxels, voxels.resolution));
   const double distance = std::max(params.trace_distance / voxels.resolution, 4.0);
   const auto directions = walkDirections(params);
-  const auto isCandidate = [&, &voxels = voxels, &surfaces = surfaces](size_t i) {
-    const Eigen::Vector3f& normal = surfaces.normal[i];
-    return !normal.isZero(0) && surfaces.variation[i] >= params.min_surface_variation &&
-           angleCost(near, cost_ball, voxels.key[i], normal, normals) > params.kappa;
+  std::vector<uint32_t> first_of(pieces.voxels.size() + 1, 0);  // of the voxels of each
+  for (size_t k = 0; k < pieces.voxels.size(); k++)
+    first_of[k + 1] = first_of[k] + static_cast<uint32_t>(surfaces.weight[k]);
+
+  // Where the surface bends most: the piece's own voxel may lie beside the edge.
+  const auto mostBent = [&](size_t k) {
+    uint32_t best = first_of[k];
+    if (first_of[k + 1] == best + 1) return best;
+    float most = -1;
+    for (uint32_t i = first_of[k]; i < first_of[k + 1]; i++) {
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> pca;
+      pca.computeDirect(momentsAround(occupied, bend_ball, voxels.key[i]).covariance(),
+                        Eigen::EigenvaluesOnly);
+      const auto variation =
+          static_cast<float>(surfaceVariation(pca.eigenvalues(), params).value_or(0));
+      if (variation <= most) continue;
+      most = variation;
+      best = i;
+    }
+    return best;
   };
 
-  std::vector<uint8_t> is_edge(voxels.size(), 0);
-  forEachRange(
-      voxels.size(), kGrain, [&, &voxels = voxels, &surfaces = surfaces](size_t begin, size_t end) {
-        SurfaceTracer tracer(occupied, distance);
-        for (size_t i = begin; i < end; i++) {
-          if (!isCandidate(i)) continue;
-          const Eigen::Vector3f& normal = surfaces.normal[i];
-          const Eigen::Vector3f u = acrossEdge(near, bend_ball, voxels.key[i], normal, normals);
-          tracer.moveTo(voxels.key[i]);
-          is_edge[i] = isBend(tracer, directions, normal, u, params);
-        }
-      });
-  return is_edge;
+  std::vector<uint32_t> found(pieces.voxels.size(), kNone);
+  forEachRange(found.size(), kGrain, [&](size_t begin, size_t end) {
+    SurfaceTracer tracer(occupied, distance);
+    for (size_t k = begin; k < end; k++) {
+      if (surfaces.variation[k] < params.min_surface_variation) continue;
+      const uint32_t i = mostBent(k);
+      const octomap::OcTreeKey& key = voxels.key[i];
+      const Eigen::Vector3f normal =
+          key == pieces.voxels.key[k] ? surfaces.normal[k]
+                                      : surfaceAround(occupied, bend_ball, key, params).normal;
+      if (normal.isZero(0) ||
+          angleCost(near, cost_ball, key, normal, surfaces.normal) <= params.kappa)
+        continue;
+      tracer.moveTo(key);
+      const Eigen::Vector3f u = acrossEdge(near, bend_ball, key, normal, surfaces.normal);
+      if (isBend(tracer, directions, normal, u, params)) found[k] = i;
+    }
+  });
+  return found;
 }
 
 /** Line 23: indices of the points whose mean distance to their nearest neighbours is not larger
@@ -373,17 +426,11 @@ Surfaces computeSurfaces(const OccupiedVoxels& voxels, const VoxelBlocks& occupi
   surfaces.weight.assign(voxels.size(), 1);
   surfaces.point = voxels.centre;
   forEachIndex(voxels.size(), kGrain, [&](size_t i) {
-    const Moments moments = momentsAround(occupied, ball, voxels.key[i]);
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> pca;
-    pca.computeDirect(moments.covariance());
-    const auto& spread = pca.eigenvalues();
-    const bool has_plane =
-        spread[1] > 1e-6 && spread[0] <= params.max_surface_variation * spread.sum();
-    if (!has_plane) return;
-    const Eigen::Vector3d normal = pca.eigenvectors().col(0);
-    surfaces.normal[i] = normal.cast<float>();
-    surfaces.point[i] += (voxels.resolution * normal.dot(moments.mean()) * normal).cast<float>();
-    surfaces.variation[i] = static_cast<float>(spread[0] / spread.sum());
+    const Plane plane = surfaceAround(occupied, ball, voxels.key[i], params);
+    const auto height = static_cast<float>(voxels.resolution) * plane.height;
+    surfaces.normal[i] = plane.normal;
+    surfaces.point[i] += height * plane.normal;
+    surfaces.variation[i] = plane.variation;
   });
   return surfaces;
 }
@@ -408,22 +455,16 @@ std::vector<float> computeAngleCosts(const OccupiedVoxels& voxels,
 
 EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const EdgeParams& params) {
   const VoxelBlocks occupied(voxels.key);
-  const SurfaceVoxels all{voxels, computeSurfaces(voxels, occupied, params)};
-  return extractEdges(all, all, occupied, params);
+  return extractEdges(voxels, occupied, {voxels, computeSurfaces(voxels, occupied, params)},
+                      params);
 }
 
-EdgeVoxels extractEdges(const SurfaceVoxels& candidates, const SurfaceVoxels& neighbours,
-                        const VoxelBlocks& occupied, const EdgeParams& params) {
-  const OccupiedVoxels& voxels = candidates.voxels;
-  const auto is_edge = detectEdges(candidates, neighbours, occupied, params);
-
-  std::vector<uint32_t> found;
+EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const VoxelBlocks& occupied,
+                        const SurfaceVoxels& pieces, const EdgeParams& params) {
+  std::vector<uint32_t> found = detectEdges(voxels, occupied, pieces, params);
+  found.erase(std::remove(found.begin(), found.end(), kNone), found.end());
   std::vector<Eigen::Vector3f> points;
-  for (uint32_t i = 0; i < voxels.size(); i++)
-    if (is_edge[i]) {
-      found.push_back(i);
-      points.push_back(voxels.centre[i]);
-    }
+  for (const uint32_t i : found) points.push_back(voxels.centre[i]);
 
   EdgeVoxels edges;
   edges.resolution = voxels.resolution;

@@ -12,6 +12,7 @@ namespace {
 /** What differs between the two levels: how to pair, with which weights, and what to minimise. */
 struct LevelProblem {
   Level level;
+  size_t scene_size;
   /** Of all scene voxels, or of those among some pairs. */
   std::function<Pairs(const Eigen::Isometry3d&, const DescriptorWeights&, double gate,
                       const Pairs*)>
@@ -21,10 +22,15 @@ struct LevelProblem {
 };
 
 /** The pairs at a pose. The weights need an MSE before there is one: that of the nearest neighbours
- * by distance alone. */
+ * by distance alone, of so many voxels as tell it. */
 Pairs firstPairs(const LevelProblem& problem, const Eigen::Isometry3d& T, double gate) {
-  const Pairs nearest = problem.associate(T, DescriptorWeights{}, gate, nullptr);
-  return problem.associate(T, problem.weights(meanSquaredError(nearest)), gate, &nearest);
+  constexpr size_t kEnough = 4000;
+  const size_t stride = (problem.scene_size + kEnough - 1) / kEnough;
+  Pairs some;
+  for (size_t i = 0; i < problem.scene_size; i += stride)
+    some.push_back({0, static_cast<uint32_t>(i), 0});
+  const Pairs nearest = problem.associate(T, DescriptorWeights{}, gate, &some);
+  return problem.associate(T, problem.weights(meanSquaredError(nearest)), gate, nullptr);
 }
 
 /** Alternates association and optimisation until the pose stays, from result.T_a_b on.
@@ -71,7 +77,7 @@ void matchEdges(const MapFeatures& a, const MapFeatures& b, const MatchParams& p
   const double H_m = occupancyUncertainty(a.voxels.probability, b.voxels.probability);
   const double lambda_tau = structuralUncertainty(a.edges, b.edges);
   EdgeAssociation association(a.edges);
-  runLevel({Level::Edge,
+  runLevel({Level::Edge, b.edges.size(),
             [&](const auto& T, const auto& w, double gate, const Pairs* among) {
               return association.associate(b.edges, T, w, gate, among);
             },
@@ -87,6 +93,7 @@ LevelProblem voxelPairing(const OccupiedVoxels& a, const OccupiedVoxels& b,
                           VoxelAssociation& association, const MatchParams& params) {
   const double H_m = occupancyUncertainty(a.probability, b.probability);
   return {Level::Voxel,
+          b.size(),
           [&](const auto& T, const auto& w, double gate, const Pairs* among) {
             return association.associate(b, T, w, gate, among);
           },
@@ -156,36 +163,6 @@ bool isEmpty(const MapFeatures& a, const MapFeatures& b) {
 
 }  // namespace
 
-namespace {
-
-/** Where the surface may have an edge: of the voxels that each bent one among the matched stands
- * for the one where the surface bends most. */
-SurfaceVoxels mostBent(const MapFeatures& f, const Thinned& kept, const EdgeParams& params) {
-  std::vector<uint32_t> near_bends, end_of_cube;
-  uint32_t first = 0;
-  for (size_t k = 0; k < kept.index.size(); k++) {
-    const auto next = first + static_cast<uint32_t>(kept.weight[k]);
-    if (f.matched.surfaces.variation[k] >= params.min_surface_variation) {
-      for (uint32_t i = first; i < next; i++) near_bends.push_back(i);
-      end_of_cube.push_back(static_cast<uint32_t>(near_bends.size()));
-    }
-    first = next;
-  }
-  SurfaceVoxels all{select(f.voxels, near_bends), {}};
-  all.surfaces = computeSurfaces(all.voxels, f.occupied, params);
-  std::vector<uint32_t> bent;
-  uint32_t i = 0;
-  for (const uint32_t end : end_of_cube) {
-    uint32_t best = i;
-    for (; i < end; i++)
-      if (all.surfaces.variation[i] > all.surfaces.variation[best]) best = i;
-    bent.push_back(best);
-  }
-  return {select(all.voxels, bent), select(all.surfaces, bent)};
-}
-
-}  // namespace
-
 MapFeatures computeFeatures(const octomap::OcTree& map, const MatchParams& params) {
   MapFeatures f;
   f.map = &map;
@@ -195,7 +172,7 @@ MapFeatures computeFeatures(const octomap::OcTree& map, const MatchParams& param
   f.matched.voxels = select(f.voxels, kept.index);
   f.matched.surfaces = computeSurfaces(f.matched.voxels, f.occupied, params.edges);
   f.matched.surfaces.weight = kept.weight;
-  f.edges = extractEdges(mostBent(f, kept, params.edges), f.matched, f.occupied, params.edges);
+  f.edges = extractEdges(f.voxels, f.occupied, f.matched, params.edges);
   return f;
 }
 

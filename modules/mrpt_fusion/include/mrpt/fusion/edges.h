@@ -83,11 +83,12 @@ struct SurfaceVoxels {
 
 /** All of Algorithm 1, and eq. (6) for what it finds.
  * Deterministic, whatever the number of threads.
- * \param[in] candidates The voxels to decide on.
- * \param[in] neighbours Those whose normals eq. (5) compares with: all of the map's, or some that
- * are spread evenly. \param[in] occupied All of the map's, to walk on. */
-EdgeVoxels extractEdges(const SurfaceVoxels& candidates, const SurfaceVoxels& neighbours,
-                        const VoxelBlocks& occupied, const EdgeParams& params);
+ * \param[in] voxels All of the map's. \param[in] occupied The same, to walk on.
+ * \param[in] pieces Some of them, spread evenly, whose normals eq. (5) compares: each stands for as
+ * many of the voxels as its weight says, which follow each other. Of those at most one is an edge,
+ * the one where the surface bends most. */
+EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const VoxelBlocks& occupied,
+                        const SurfaceVoxels& pieces, const EdgeParams& params);
 /** \overload for all of a map's voxels. */
 EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const EdgeParams& params);
 
