@@ -9,6 +9,7 @@
 #include <mrpt/slam/CProbabilisticMapMatching.h>
 #include <mrpt/system/CTicTac.h>
 
+#include <cstdlib>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -245,5 +246,9 @@ int run(const Arguments& arguments) {
       {"merge", &Run::merge}, {"edges", &Run::edges}, {"transform", &Run::transform},
       {"build", &Run::build}, {"info", &Run::info}};
   Run run(arguments);
-  return (run.*commands.at(arguments.command))();
+  const int status = (run.*commands.at(arguments.command))();
+  // To free maps of millions of nodes takes seconds; the system takes the whole process back at
+  // once.
+  if (!std::cout.flush()) throw std::runtime_error("standard output: cannot be written");
+  std::_Exit(status);
 }

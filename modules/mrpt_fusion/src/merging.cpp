@@ -30,6 +30,8 @@ class MergeVisitor {
   MergeVisitor(const OcTree& a, const OcTree& b, const MergeParams& params)
       : a_(a), b_(b), params_(params) {}
 
+  State rootState() const { return {a_.getRoot(), b_.getRoot()}; }
+
   OcTreeFill visit(const OcTreeCube&, const State& s) const {
     if (!s.a && !s.b) return OcTreeFill::unknown();
     if ((s.a && a_.nodeHasChildren(s.a)) || (s.b && b_.nodeHasChildren(s.b)))
@@ -92,8 +94,7 @@ std::unique_ptr<OcTree> mergeMaps(const OcTree& a, const OcTree& b, const Eigen:
   const auto b_in_a = mrpt::maps::transformOcTree(b, T_a_b, a.getResolution());
   auto fused = std::make_unique<OcTree>(a.getResolution());
   OcTreeAccess::setSensorModel(*fused, OcTreeAccess::sensorModel(a));
-  MergeVisitor visitor(a, *b_in_a, params);
-  mrpt::maps::buildOcTree(*fused, MergeVisitor::State{a.getRoot(), b_in_a->getRoot()}, visitor);
+  mrpt::maps::buildOcTreeInParallel(*fused, MergeVisitor(a, *b_in_a, params));
   return fused;
 }
 

@@ -2,6 +2,7 @@
 #include <mrpt/maps/octree_build.h>
 #include <mrpt/maps/octree_resampling.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -113,8 +114,8 @@ class ResamplingVisitor {
   }
 
  private:
-  /** The voxels of a cube of this depth, 4 x 4 x 4, are sampled from the pieces of the cube: to sort
-   * these out for each smaller cube costs more than to look through them. */
+  /** The voxels of a cube of this depth, 4 x 4 x 4, are sampled from the pieces of the cube: to
+   * sort these out for each smaller cube costs more than to look through them. */
   static constexpr unsigned kSampledDepth = OcTreeCube::kMaxDepth - 2;
 
   Eigen::Vector3d toSource(const Eigen::Vector3d& p_new_grid) const {
@@ -223,31 +224,32 @@ void checkFits(const OcTree& source, const Eigen::Isometry3d& T, double resoluti
 /** True if a voxel of \a map within half a voxel diagonal of a point is occupied. */
 bool hasObstacleNear(const OcTree& map, const OcTreeKey& home, const Eigen::Vector3d& p) {
   const double reach2 = 0.75 * map.getResolution() * map.getResolution();
+  const auto isObstacle = [&](const OcTreeKey& key) {
+    const Eigen::Vector3d c(map.keyToCoord(key[0]), map.keyToCoord(key[1]), map.keyToCoord(key[2]));
+    if ((c - p).squaredNorm() > reach2) return false;
+    const auto* node = map.search(key);
+    return node && map.isNodeOccupied(node);
+  };
+  if (isObstacle(home)) return true;  // mostly
   for (int dz = -1; dz <= 1; dz++)
     for (int dy = -1; dy <= 1; dy++)
-      for (int dx = -1; dx <= 1; dx++) {
-        const OcTreeKey key(static_cast<octomap::key_type>(home[0] + dx),
-                            static_cast<octomap::key_type>(home[1] + dy),
-                            static_cast<octomap::key_type>(home[2] + dz));
-        const Eigen::Vector3d c(map.keyToCoord(key[0]), map.keyToCoord(key[1]),
-                                map.keyToCoord(key[2]));
-        if ((c - p).squaredNorm() > reach2) continue;
-        const auto* node = map.search(key);
-        if (node && map.isNodeOccupied(node)) return true;
-      }
+      for (int dx = -1; dx <= 1; dx++)
+        if (isObstacle(OcTreeKey(static_cast<octomap::key_type>(home[0] + dx),
+                                 static_cast<octomap::key_type>(home[1] + dy),
+                                 static_cast<octomap::key_type>(home[2] + dz))))
+          return true;
   return false;
 }
 
-/** Calls f(centre) for the voxels on the faces of a leaf cube: those within lie deep in what is
+/** Calls f(centre) for the voxels on the faces of a cube: those within lie deep in what is
  * occupied. Of cubes wider than kWideLeaf there is no fear that they get lost. */
-template <class Leaf, class F>
-void forEachFaceVoxel(const OcTree& map, const Leaf& leaf, F&& f) {
+template <class F>
+void forEachFaceVoxel(const OcTree& map, const OcTreeCube& cube, F&& f) {
   constexpr int kWideLeaf = 64;
-  const int side = 1 << (OcTreeCube::kMaxDepth - leaf.getDepth());
-  if (side > kWideLeaf) return;
-  const OcTreeKey low = leaf.getIndexKey();
+  if (cube.side() > kWideLeaf) return;
+  const int side = static_cast<int>(cube.side());
   const auto coord = [&](unsigned axis, int i) {
-    return map.keyToCoord(static_cast<octomap::key_type>(low[axis] + i));
+    return map.keyToCoord(static_cast<octomap::key_type>(cube.key[axis] + i));
   };
   const auto is_face = [side](int i) { return i == 0 || i == side - 1; };
   for (int z = 0; z < side; z++)
@@ -257,34 +259,50 @@ void forEachFaceVoxel(const OcTree& map, const Leaf& leaf, F&& f) {
           f(Eigen::Vector3d(coord(0, x), coord(1, y), coord(2, z)));
 }
 
+void addOccupiedLeaves(const OcTree& map, const Piece& piece, std::vector<Piece>& leaves) {
+  if (!map.nodeHasChildren(piece.node)) {
+    if (map.isNodeOccupied(piece.node)) leaves.push_back(piece);
+    return;
+  }
+  for (unsigned i = 0; i < 8; i++)
+    if (map.nodeChildExists(piece.node, i))
+      addOccupiedLeaves(map, {map.getNodeChild(piece.node, i), piece.cube.child(i)}, leaves);
+}
+
 /** Gives the containing voxel of \a grown the value of each occupied source voxel that has no
  * occupied counterpart within half a voxel diagonal. */
 void keepThinObstacles(const OcTree& source, const Eigen::Isometry3d& T, OcTree& grown) {
   // A voxel this much larger than the new ones always holds a new centre.
   if (source.getResolution() > std::sqrt(3.0) * grown.getResolution()) return;
+  std::vector<Piece> leaves;
+  if (source.getRoot()) addOccupiedLeaves(source, {source.getRoot(), OcTreeCube{}}, leaves);
   struct Lost {
     OcTreeKey key;
     float log_odds;
   };
-  std::vector<Lost> lost;  // added after the search, so that none depends on another's order
-  for (auto it = source.begin_leafs(); it != source.end_leafs(); ++it) {
-    if (!source.isNodeOccupied(*it)) continue;
-    forEachFaceVoxel(source, it, [&](const Eigen::Vector3d& centre) {
-      const Eigen::Vector3d p = T * centre;
-      const OcTreeKey home = grown.coordToKey(p.x(), p.y(), p.z());
-      if (!hasObstacleNear(grown, home, p)) lost.push_back({home, it->getLogOdds()});
-    });
-  }
+  // Added after the search, so that none depends on another's order.
+  constexpr size_t kGrain = 1024;
+  std::vector<std::vector<Lost>> lost((leaves.size() + kGrain - 1) / kGrain);
+  tbb::parallel_for(size_t{0}, lost.size(), [&](size_t g) {
+    for (size_t i = g * kGrain; i < std::min((g + 1) * kGrain, leaves.size()); i++)
+      forEachFaceVoxel(source, leaves[i].cube, [&](const Eigen::Vector3d& centre) {
+        const Eigen::Vector3d p = T * centre;
+        const OcTreeKey home = grown.coordToKey(p.x(), p.y(), p.z());
+        if (!hasObstacleNear(grown, home, p))
+          lost[g].push_back({home, leaves[i].node->getLogOdds()});
+      });
+  });
   // setNodeValue() clamps: keep the values as they are.
   const auto model = OcTreeAccess::sensorModel(grown);
   auto unclamped = model;
   unclamped.clamp_min = -std::numeric_limits<float>::max();
   unclamped.clamp_max = std::numeric_limits<float>::max();
   OcTreeAccess::setSensorModel(grown, unclamped);
-  for (const Lost& l : lost) {
-    const auto* node = grown.search(l.key);
-    if (!node || node->getLogOdds() < l.log_odds) grown.setNodeValue(l.key, l.log_odds);
-  }
+  for (const auto& some : lost)
+    for (const Lost& l : some) {
+      const auto* node = grown.search(l.key);
+      if (!node || node->getLogOdds() < l.log_odds) grown.setNodeValue(l.key, l.log_odds);
+    }
   OcTreeAccess::setSensorModel(grown, model);
 }
 
@@ -300,8 +318,7 @@ std::unique_ptr<OcTree> transformOcTree(const OcTree& source, const Eigen::Isome
 
   auto result = std::make_unique<OcTree>(resolution);
   OcTreeAccess::setSensorModel(*result, OcTreeAccess::sensorModel(source));
-  ResamplingVisitor visitor(source, T_dst_src.inverse(), resolution);
-  buildOcTree(*result, visitor.rootState(), visitor);
+  buildOcTreeInParallel(*result, ResamplingVisitor(source, T_dst_src.inverse(), resolution));
   keepThinObstacles(source, T_dst_src, *result);
   return result;
 }

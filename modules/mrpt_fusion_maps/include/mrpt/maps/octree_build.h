@@ -2,8 +2,11 @@
 #pragma once
 
 #include <octomap/OcTree.h>
+#include <tbb/parallel_for.h>
 
 #include <cstdint>
+#include <memory>
+#include <vector>
 
 /** \file
  * Building a whole octomap::OcTree top-down in one traversal, instead of one setNodeValue() from
@@ -22,6 +25,13 @@ struct OcTreeCube {
 
   /** Side in finest voxels. */
   uint32_t side() const { return 1U << (kMaxDepth - depth); }
+
+  bool contains(const OcTreeCube& o) const {
+    if (o.depth < depth) return false;
+    for (unsigned axis = 0; axis < 3; axis++)
+      if ((key[axis] ^ o.key[axis]) >> (kMaxDepth - depth)) return false;
+    return true;
+  }
 
   /** The i-th of eight children, in OctoMap's order (bit 0: x, bit 1: y, bit 2: z). */
   OcTreeCube child(unsigned i) const {
@@ -61,6 +71,24 @@ class OcTreeAccess : private octomap::OcTree {
     tree.*(&OcTreeAccess::tree_size) = 1;
     tree.*(&OcTreeAccess::size_changed) = true;
     return tree.getRoot();
+  }
+
+  /** Makes all of a tree, which becomes empty, the i-th child of a node that has no such child. */
+  static void adoptChild(octomap::OcTree& tree, octomap::OcTreeNode& node, unsigned i,
+                         octomap::OcTree& child) {
+    struct Node : octomap::OcTreeNode {
+      static octomap::AbstractOcTreeNode**& childrenOf(octomap::OcTreeNode& n) {
+        return n.*(&Node::children);
+      }
+    };
+    tree.createNodeChild(&node, i);  // gives the node its children, and the tree one node more
+    octomap::AbstractOcTreeNode*& slot = Node::childrenOf(node)[i];
+    delete static_cast<octomap::OcTreeNode*>(slot);
+    slot = child.getRoot();
+    tree.*(&OcTreeAccess::tree_size) += child.size() - 1;
+    child.*(&OcTreeAccess::root) = nullptr;
+    child.*(&OcTreeAccess::tree_size) = 0;
+    child.*(&OcTreeAccess::size_changed) = true;
   }
 
   /** The five log-odds of the sensor model, bit for bit (OctoMap's setters take probabilities and
@@ -131,6 +159,88 @@ template <class Visitor>
 void buildOcTree(octomap::OcTree& tree, typename Visitor::State root_state, Visitor& visitor) {
   detail::LazyNode root{tree, nullptr, 0};
   detail::buildOcTreeNode(root, OcTreeCube{}, root_state, visitor);
+}
+
+namespace detail {
+
+/** Calls `f(cube, state)` for the known cubes at a depth that are not part of a larger leaf, in the
+ * order of the octree. */
+template <class Visitor, class F>
+void forEachCubeAt(unsigned depth, const OcTreeCube& cube, typename Visitor::State& state,
+                   Visitor& visitor, F&& f) {
+  if (cube.depth == depth) return f(cube, state);
+  if (visitor.visit(cube, state).kind != OcTreeFill::Kind::Split) return;
+  for (unsigned i = 0; i < 8; i++) {
+    const OcTreeCube child = cube.child(i);
+    auto child_state = visitor.descend(state, i, child);
+    forEachCubeAt(depth, child, child_state, visitor, f);
+  }
+}
+
+/** The tree down to a depth, whose cubes are built already: \a built, in the order of the octree.
+ */
+template <class Visitor>
+void buildAbove(unsigned depth, LazyNode& self, const OcTreeCube& cube,
+                typename Visitor::State& state, Visitor& visitor,
+                std::vector<std::unique_ptr<octomap::OcTree>>::iterator& built) {
+  const OcTreeFill fill = visitor.visit(cube, state);
+  if (fill.kind == OcTreeFill::Kind::Leaf) self.get()->setLogOdds(fill.log_odds);
+  if (fill.kind != OcTreeFill::Kind::Split) return;
+  for (unsigned i = 0; i < 8; i++) {
+    const OcTreeCube child_cube = cube.child(i);
+    if (child_cube.depth == depth) {
+      octomap::OcTree& child = **built++;
+      if (child.getRoot()) OcTreeAccess::adoptChild(self.tree, *self.get(), i, child);
+      continue;
+    }
+    LazyNode child{self.tree, &self, i};
+    auto child_state = visitor.descend(state, i, child_cube);
+    buildAbove(depth, child, child_cube, child_state, visitor, built);
+  }
+  if (self.node && !self.tree.pruneNode(self.node)) self.node->updateOccupancyChildren();
+}
+
+}  // namespace detail
+
+/** buildOcTree() on all cores: the same tree, for a visitor that can be copied and has
+ *  - `State rootState()`: that of the root, for this copy of the visitor. */
+template <class Visitor>
+void buildOcTreeInParallel(octomap::OcTree& tree, const Visitor& visitor) {
+  constexpr size_t kEnough = 64;  // cubes, for some are empty and some full
+  constexpr unsigned kDeepest = 12;
+  std::vector<OcTreeCube> cubes;
+  unsigned depth = 0;
+  while (cubes.size() < kEnough && depth < kDeepest) {
+    depth++;
+    cubes.clear();
+    Visitor own(visitor);
+    auto root = own.rootState();
+    detail::forEachCubeAt(depth, {}, root, own,
+                          [&](const OcTreeCube& c, const auto&) { cubes.push_back(c); });
+  }
+  std::vector<std::unique_ptr<octomap::OcTree>> built(cubes.size());
+  tbb::parallel_for(size_t{0}, cubes.size(), [&](size_t k) {
+    built[k] = std::make_unique<octomap::OcTree>(tree.getResolution());
+    Visitor own(visitor);
+    const auto descend = [&](const auto& self, const OcTreeCube& cube, auto& state) -> void {
+      if (cube.depth == depth) {
+        detail::LazyNode root{*built[k], nullptr, 0};
+        return detail::buildOcTreeNode(root, cube, state, own);
+      }
+      unsigned i = 0;
+      while (!cube.child(i).contains(cubes[k])) i++;
+      const OcTreeCube child = cube.child(i);
+      auto child_state = own.descend(state, i, child);
+      self(self, child, child_state);
+    };
+    auto root = own.rootState();
+    descend(descend, {}, root);
+  });
+  Visitor own(visitor);
+  auto root = own.rootState();
+  detail::LazyNode node{tree, nullptr, 0};
+  auto next = built.begin();
+  detail::buildAbove(depth, node, {}, root, own, next);
 }
 
 }  // namespace mrpt::maps
