@@ -71,6 +71,25 @@ TEST_F(Matching, SearchFindsTheTruthWhereTheTwoLevelsAloneDoNot) {
   EXPECT_LT(degreesBetween(r.T_a_b, truth), 1);
 }
 
+TEST_F(Matching, FindsThePoseWithoutAGuess) {
+  MatchParams no_guess = params;
+  no_guess.search = everywhere(params.search);
+  for (const auto& off : {poseOf(0, 0, 0, 0), poseOf(-15, 18, 2, 170), poseOf(9, 20, -1, -95)}) {
+    const MatchResult r = matchMaps(fineMaps().a, fineMaps().b, truth * off, no_guess);
+    EXPECT_LT(metresBetween(r.T_a_b, truth), 0.1) << off.matrix();
+    EXPECT_LT(degreesBetween(r.T_a_b, truth), 1) << off.matrix();
+  }
+}
+
+TEST_F(Matching, GivesTheHypothesesThatItCompared) {
+  const MatchResult r = matchMaps(fineMaps().a, fineMaps().b, guess, params);
+  ASSERT_GE(r.hypotheses.size(), 2U);
+  EXPECT_LT(metresBetween(r.hypotheses[0].T_a_b, truth), 0.1);
+  for (size_t i = 1; i < r.hypotheses.size(); i++)
+    EXPECT_LE(r.hypotheses[i].score, r.hypotheses[i - 1].score);
+  EXPECT_TRUE(matchTwoLevel(fineMaps().a, fineMaps().b, guess, params).hypotheses.empty());
+}
+
 TEST_F(Matching, WithoutSearchIsThatOfTheTwoLevels) {
   MatchParams no_search = params;
   no_search.search.translation = 0;
@@ -149,10 +168,11 @@ TEST_F(Matching, RecordsThePoseThatEachIterationReached) {
 
 TEST_F(Matching, AgreementIsHighestAtTheTruth) {
   const auto& [a, b] = std::tie(maps().a, maps().b);
-  const double best = agreement(a, a.voxels, b, b.voxels, truth);
+  const Obstacles of_a = obstaclesOf(*a.map, a.matched), of_b = obstaclesOf(*b.map, b.matched);
+  const double best = agreement(a, of_a, b, of_b, truth);
   for (const auto& off : {poseOf(0.5, 0, 0, 0), poseOf(0, -0.5, 0, 0), poseOf(0, 0, 0.4, 0),
                           poseOf(0, 0, 0, 5), poseOf(2, 1, 0, 10), poseOf(40, 0, 0, 0)})
-    EXPECT_LT(agreement(a, a.voxels, b, b.voxels, truth * off), best) << off.matrix();
+    EXPECT_LT(agreement(a, of_a, b, of_b, truth * off), best) << off.matrix();
 }
 
 TEST_F(Matching, AsPublishedSucceedsByThePapersOwnCriterion) {

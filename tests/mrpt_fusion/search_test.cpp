@@ -44,6 +44,26 @@ TEST_F(Search, BestHypothesisIsWithinACellOfTheTruth) {
   }
 }
 
+TEST_F(Search, FromEverywhereFindsTheTruthFromAnyGuess) {
+  const Eigen::Vector3d middle(6.5, 3.5, 1.3);
+  for (const auto& guess : {offBy(0, 0, 0), offBy(19, -17, 180), poseOf(-60, 40, 5, 77)}) {
+    const auto found = search(model(), scene(), guess, everywhere(params));
+    ASSERT_GE(found.size(), 2U);
+    EXPECT_LT((found[0].T_a_b * middle - middle).norm(), 1.5 * params.cell) << guess.matrix();
+    EXPECT_LT(degreesBetween(found[0].T_a_b, kIdentity), 5) << guess.matrix();
+  }
+}
+
+TEST_F(Search, FromEverywhereIsNotLedAwayByStrayReturns) {
+  octomap::OcTree stray(model());
+  for (const float far : {-3000.F, 3000.F}) stray.updateNode(far, far, far, true);
+  const auto found = search(stray, scene(), offBy(19, -17, 180), everywhere(params));
+  ASSERT_FALSE(found.empty());
+  const Eigen::Vector3d middle(6.5, 3.5, 1.3);
+  EXPECT_LT((found[0].T_a_b * middle - middle).norm(), 1.5 * params.cell);
+  EXPECT_LT(degreesBetween(found[0].T_a_b, kIdentity), 5);
+}
+
 TEST_F(Search, GivesSoManyDistinctHypothesesBestFirst) {
   SearchParams five = params;
   five.hypotheses = 5;

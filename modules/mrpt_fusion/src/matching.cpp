@@ -4,7 +4,7 @@
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
-#include <limits>
+#include <cmath>
 
 namespace mrpt::fusion {
 namespace {
@@ -219,6 +219,29 @@ SurfaceVoxels fewOf(const SurfaceVoxels& all, double spacing) {
   return {select(voxels, few), select(surfaces, few)};
 }
 
+Eigen::Vector3d meanOf(const std::vector<Eigen::Vector3f>& points) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const auto& p : points) sum += p.cast<double>();
+  return sum / static_cast<double>(std::max<size_t>(1, points.size()));
+}
+
+/** Best first; of those that came to the same place the best. \param[in] middle Of map B. */
+std::vector<Hypothesis> distinct(std::vector<Hypothesis> all, const Eigen::Vector3d& middle) {
+  constexpr double kFar = 0.6, kTurned = 6 * M_PI / 180;  // another place: the paper's failure
+  std::stable_sort(all.begin(), all.end(),
+                   [](const auto& g, const auto& h) { return g.score > h.score; });
+  std::vector<Hypothesis> best;
+  for (const Hypothesis& h : all) {
+    const bool is_new = std::none_of(best.begin(), best.end(), [&](const Hypothesis& g) {
+      const Eigen::Isometry3d between = g.T_a_b.inverse() * h.T_a_b;
+      return (between * middle - middle).norm() <= kFar &&
+             Eigen::AngleAxisd(between.linear()).angle() <= kTurned;
+    });
+    if (is_new) best.push_back(h);
+  }
+  return best;
+}
+
 /** Poses are compared before they are known better than this. */
 MatchParams roughly(MatchParams params) {
   params.min_step_translation = std::max(params.min_step_translation, 0.01);
@@ -235,28 +258,31 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
     return matchTwoLevel(a, b, T_a_b, params, on_iteration);
 
   const MatchParams rough = roughly(params);
-  MatchResult from_edges;
-  from_edges.T_a_b = T_a_b;
-  matchEdges(a, b, rough, from_edges, on_iteration);
   const SurfaceVoxels few_a = fewOf(a.matched, params.search.cell);
   const SurfaceVoxels few_b = fewOf(b.matched, params.search.cell);
-  std::vector<Eigen::Isometry3d> starts = {from_edges.T_a_b};
+  const Obstacles of_a = obstaclesOf(*a.map, few_a), of_b = obstaclesOf(*b.map, few_b);
+  MatchResult result, from_edges;
+  from_edges.T_a_b = T_a_b;
+  std::vector<Eigen::Isometry3d> starts;
+  if (!params.search.isEverywhere()) {
+    matchEdges(a, b, rough, from_edges, on_iteration);
+    starts.push_back(from_edges.T_a_b);
+  }
   for (const Hypothesis& h : searchAround(*a.map, a.voxels, few_b.voxels, T_a_b, params.search))
     starts.push_back(h.T_a_b);
+  if (starts.empty()) starts.push_back(T_a_b);
 
   VoxelAssociation association(a.matched.voxels);
   const LevelProblem few_level = voxelLevel(a.matched, few_b, association, params);
-  MatchResult result;
-  double best_agreement = -std::numeric_limits<double>::infinity();
   for (const Eigen::Isometry3d& start : starts) {
     MatchResult refined;
     refined.T_a_b = start;
     runLevel(few_level, params.voxel_level, twoVoxels(a, b), rough, refined, {});
-    const double reached = agreement(a, few_a.voxels, b, few_b.voxels, refined.T_a_b);
-    if (reached <= best_agreement) continue;
-    best_agreement = reached;
-    result.T_a_b = refined.T_a_b;
+    const double reached = agreement(a, of_a, b, of_b, refined.T_a_b);
+    result.hypotheses.push_back({refined.T_a_b, reached});
   }
+  result.hypotheses = distinct(std::move(result.hypotheses), meanOf(few_b.voxels.centre));
+  result.T_a_b = result.hypotheses.front().T_a_b;
   result.iterations = from_edges.iterations;
   const double final_gate = std::max(params.voxel_level.final_gate, twoVoxels(a, b));
   matchVoxels(a, b, association, std::min(params.voxel_level.gate, final_gate), params, result,
@@ -264,12 +290,72 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
   return result;
 }
 
-double agreement(const MapFeatures& a, const OccupiedVoxels& of_a, const MapFeatures& b,
-                 const OccupiedVoxels& of_b, const Eigen::Isometry3d& T_a_b) {
-  const FreeSpaceCheck b_in_a = checkFreeSpace(*a.map, a.occupied, of_b, T_a_b);
-  const FreeSpaceCheck a_in_b = checkFreeSpace(*b.map, b.occupied, of_a, T_a_b.inverse());
-  return static_cast<double>(b_in_a.agreeing + a_in_b.agreeing) -
-         kConflictWeight * static_cast<double>(b_in_a.conflicting + a_in_b.conflicting);
+namespace {
+
+/** Whether a map has seen free space at a point. */
+bool isFree(const octomap::OcTree& map, const Eigen::Vector3d& p) {
+  octomap::OcTreeKey key;
+  if (!map.coordToKeyChecked(p.x(), p.y(), p.z(), key)) return false;
+  const octomap::OcTreeNode* node = map.search(key);
+  return node && !map.isNodeOccupied(node);
+}
+
+/** Beyond the thickness of a surface, and of what two grids make of it, in voxels. */
+constexpr double kBeforeSurface = 2.5;
+
+/** What a map says of another's obstacles: so many confirmed, and so many in its free space. */
+struct Testimony {
+  double confirmed = 0, contradicted = 0;
+};
+
+Testimony testimonyOf(const MapFeatures& map, const Obstacles& obstacles, double resolution,
+                      const Eigen::Isometry3d& T) {
+  constexpr double kOtherSide = 0.25;   // of an obstacle seen from the same side
+  const VoxelBlocks::Ball beside(1.8);  // the 26 voxels around one
+  const double before = kBeforeSurface * std::max(resolution, map.voxels.resolution);
+  Testimony t;
+  for (size_t i = 0; i < obstacles.centre.size(); i++) {
+    const Eigen::Vector3d centre = obstacles.centre[i].cast<double>(), p = T * centre;
+    octomap::OcTreeKey key;
+    if (!map.map->coordToKeyChecked(p.x(), p.y(), p.z(), key)) continue;
+    if (map.occupied.anyAround({key[0], key[1], key[2]}, beside)) {
+      const Eigen::Vector3d front = obstacles.front[i].cast<double>();
+      const bool same_side = front.isZero(0) || isFree(*map.map, T * (centre + before * front));
+      t.confirmed += same_side ? 1 : kOtherSide;
+    } else if (map.map->search(key)) {
+      t.contradicted++;
+    }
+  }
+  return t;
+}
+
+}  // namespace
+
+Obstacles obstaclesOf(const octomap::OcTree& map, const SurfaceVoxels& voxels) {
+  Obstacles obstacles{voxels.voxels.centre, voxels.surfaces.normal};
+  const double before = kBeforeSurface * voxels.voxels.resolution;
+  for (size_t i = 0; i < obstacles.centre.size(); i++) {
+    Eigen::Vector3f& front = obstacles.front[i];
+    const Eigen::Vector3d centre = obstacles.centre[i].cast<double>();
+    const Eigen::Vector3d step = before * front.cast<double>();
+    const bool ahead = isFree(map, centre + step), behind = isFree(map, centre - step);
+    if (ahead == behind)
+      front.setZero();
+    else if (behind)
+      front = -front;
+  }
+  return obstacles;
+}
+
+double agreement(const MapFeatures& a, const Obstacles& of_a, const MapFeatures& b,
+                 const Obstacles& of_b, const Eigen::Isometry3d& T_a_b) {
+  constexpr double kTolerance = 0.04;
+  const Testimony by_a = testimonyOf(a, of_b, b.voxels.resolution, T_a_b);
+  const Testimony by_b = testimonyOf(b, of_a, a.voxels.resolution, T_a_b.inverse());
+  const double confirmed = by_a.confirmed + by_b.confirmed;
+  const double contradicted = by_a.contradicted + by_b.contradicted;
+  if (confirmed == 0) return 0;
+  return confirmed * std::exp(-contradicted / (confirmed + contradicted) / kTolerance);
 }
 
 Pairs pairVoxels(const OccupiedVoxels& a, const OccupiedVoxels& b, const Eigen::Isometry3d& T_a_b,

@@ -5,6 +5,7 @@
 #include <octomap/OcTree.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <vector>
 
 /** \file
@@ -16,18 +17,23 @@
 namespace mrpt::fusion {
 
 struct SearchParams {
-  double translation = 2.5;         ///< half width of the search in x and y, m; 0: no search
-  double height = 0.6;              ///< half width in z, m
-  double yaw = 0.3490658503988659;  ///< half width of the rotation about A's z axis, rad (20 deg)
-  double cell =
-      0.3;  ///< of the coarse grid, m; at least two voxels, rounded up to a cube of A's octree
+  /** Half widths of the search: in x and y (0: no search) and in z, m, and of the rotation about
+   * A's z axis, rad (20 deg). Infinity: as far as the maps can overlap. */
+  double translation = 2.5, height = 0.6, yaw = 0.3490658503988659;
+  /** Of the coarse grid, m; at least two voxels, rounded up to a cube of A's octree. */
+  double cell = 0.3;
   unsigned hypotheses = 3;  ///< best distinct poses to return
+
+  bool isEverywhere() const { return std::isinf(translation); }
 };
+
+/** The same for maps of which nothing is known but where up is. */
+SearchParams everywhere(SearchParams params);
 
 /** An obstacle of one map that lies in the other's free space speaks as loud against a pose as so
  * many that the other confirms speak for it: any floor confirms any floor, and where rooms or
  * pillars repeat, a larger overlap would win over the right one. */
-constexpr int kConflictWeight = 3;
+constexpr int kConflictWeight = 10;
 
 /** A pose and how well the maps agree there. */
 struct Hypothesis {
@@ -35,10 +41,13 @@ struct Hypothesis {
   double score;  ///< comparable between poses of the same two maps; higher is better
 };
 
-/** Scores every pose of a lattice around \a T_a_b: translations by whole cells, rotations about A's
+/** Scores the poses of a lattice around \a T_a_b: translations by whole cells, rotations about A's
  * vertical (through B's middle and through the origin of its frame), fine enough that no voxel of B
  * moves by more than a cell from one to the next. An obstacle of B counts for a pose where A has
  * one too, and against it where A has seen free space, away from obstacles.
+ *
+ * All of them, if they are not too many; else all of a coarser lattice, on A's octree at a lesser
+ * depth and with some of B's voxels, then the neighbourhoods of the best at the next finer one.
  *
  * \param[in] a All of A's occupied voxels.
  * \param[in] b Some of B's occupied voxels, spread evenly, about one to a cell.
