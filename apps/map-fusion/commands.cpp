@@ -165,11 +165,21 @@ class Run {
     b_ = load("b", args_.b);
   }
 
+  mrpt::poses::CPose3DPDFGaussian prior() const {
+    if (!report_.initial_pose) return mrpt::fusion::noGuess();
+    mrpt::poses::CPose3DPDFGaussian guess(*report_.initial_pose);
+    if (args_.init_sigma.empty()) return guess;
+    const double metres = std::max(args_.init_sigma[0], 1e-3);  // all zero: as configured
+    const double yaw = mrpt::DEG2RAD(args_.init_sigma[1]);
+    for (int i = 0; i < 3; i++) guess.cov(i, i) = metres * metres;
+    guess.cov(3, 3) = yaw * yaw;
+    return guess;
+  }
+
   bool matchMaps() {
-    if (!report_.initial_pose) report_.initial_pose = CPose3D();
     progress_.show("extracting edges");
     auto& info = report_.match.emplace();
-    const auto pdf = pmm_.Align3D(a_.get(), b_.get(), *report_.initial_pose, info);
+    const auto pdf = pmm_.Align3DPDF(a_.get(), b_.get(), prior(), info);
     progress_.clear();
     report_.pose.emplace().copyFrom(*pdf);
     report_.seconds.emplace_back("features", info.seconds_features);

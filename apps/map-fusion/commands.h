@@ -2,13 +2,15 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 /** What the command line asks for; each subcommand uses its part. */
 struct Arguments {
   std::string command;
-  std::string a, b;        ///< input files
-  std::string init, pose;  ///< POSE
-  std::string output;      ///< map or point cloud
+  std::string a, b;                ///< input files
+  std::string init, pose;          ///< POSE
+  std::vector<double> init_sigma;  ///< m, deg; empty: as configured
+  std::string output;              ///< map or point cloud
   std::string pose_out, picture, json;
   std::string config, section = "MappingApplication";
   std::string policy;     ///< empty: as configured

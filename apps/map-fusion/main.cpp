@@ -45,10 +45,19 @@ class CommandLine {
     sub->add_option("-o,--output", args_.output, what)->required()->type_name("FILE");
   }
   void init(CLI::App* sub) {
+    auto* guess =
+        sub->add_option("--init", args_.init,
+                        "initial guess of B's pose in A's frame: " + std::string(kPoseHelp) +
+                            "; without it, B is looked for everywhere and at any heading")
+            ->type_name("POSE");
     sub->add_option(
-           "--init", args_.init,
-           "initial guess of B's pose in A's frame (default: 0): " + std::string(kPoseHelp))
-        ->type_name("POSE");
+           "--init-sigma", args_.init_sigma,
+           "standard deviations of the guess's position (m) and heading (deg): B is looked "
+           "for within three of them (default: as configured)")
+        ->type_name("M DEG")
+        ->expected(2)
+        ->check(CLI::NonNegativeNumber)
+        ->needs(guess);
     sub->add_option("--pose-out", args_.pose_out,
                     "write the estimated pose to FILE, as a 4x4 matrix")
         ->type_name("FILE");

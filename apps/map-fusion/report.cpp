@@ -53,8 +53,14 @@ void printMatch(const CProbabilisticMapMatching::TReturnInfo& info, std::ostream
        100 * e.threshold);
   line(out, "in free space    %.1f %%  of the obstacles seen by both",
        100 * e.free_space.conflictRatio());
-  line(out, "verdict          %s", e.accepted ? "accepted" : "REJECTED");
+  line(out, "verdict          %s",
+       e.accepted       ? "accepted"
+       : e.is_ambiguous ? "AMBIGUOUS"
+                        : "REJECTED");
   for (const auto& reason : e.reasons) out << "                 - " << reason << "\n";
+  if (e.is_ambiguous)
+    line(out, "second best      %s",
+         poseText(mrpt::fusion::toPose(info.match.hypotheses[1].T_a_b)).c_str());
 }
 
 Json poseJson(const mrpt::poses::CPose3D& p) {
@@ -79,6 +85,10 @@ Json matchJson(const CProbabilisticMapMatching::TReturnInfo& info) {
                           {"mse_m2", i.mse},
                           {"step_translation_m", i.step_translation},
                           {"step_rotation_deg", mrpt::RAD2DEG(i.step_rotation)}});
+  Json hypotheses = Json::array();
+  for (const auto& h : info.match.hypotheses)
+    hypotheses.push_back(
+        {{"agreement", h.agreement}, {"pose", poseJson(mrpt::fusion::toPose(h.T_a_b))}});
   return {{"accepted", e.accepted},
           {"reasons", e.reasons},
           {"pairs", e.pairs},
@@ -88,6 +98,9 @@ Json matchJson(const CProbabilisticMapMatching::TReturnInfo& info) {
           {"inlier_threshold", e.threshold},
           {"mean_mahalanobis", e.mean_mahalanobis},
           {"log_likelihood", e.log_likelihood},
+          {"runner_up", e.runner_up},
+          {"ambiguous", e.is_ambiguous},
+          {"hypotheses", hypotheses},
           {"free_space_conflict_ratio", e.free_space.conflictRatio()},
           {"free_space_agreeing", e.free_space.agreeing},
           {"free_space_conflicting", e.free_space.conflicting},

@@ -34,6 +34,7 @@ Options paperOptions() {
   o.match.voxel_level.final_gate = o.match.voxel_level.gate;
   o.match.solver.max_steps = 10;
   o.evaluation.max_free_conflict = 1;
+  o.evaluation.max_runner_up = 1;
   o.evaluation.min_overlap = 0;
   o.merge.policy = mrpt::fusion::MergePolicy::RelativeEntropy;
   return o;

@@ -51,6 +51,26 @@ TEST_F(Fusing, TwoRobotsMapsOfARealBuildingFromAGuess1mAnd10degOff) {
   EXPECT_EQ(readFile(dir_ / "view.png").substr(1, 3), "PNG");
 }
 
+TEST_F(Fusing, NeedsNoGuess) {
+  const auto r = mapFusion("fuse " + both() + " -o fused.ot --pose-out T.txt --json report.json");
+  ASSERT_EQ(r.code, 0) << r.err;
+  expectNearTruth(dir_ / "T.txt");
+  const Json j = report();
+  EXPECT_FALSE(j.contains("initial_pose"));
+  EXPECT_FALSE(j.at("match").at("ambiguous"));
+  EXPECT_GE(j.at("match").at("hypotheses").size(), 2U);
+}
+
+TEST_F(Fusing, LooksAsFarAsTheGuessIsSaidToBeOff) {
+  const std::string arguments = "match " + both() + " --init " + guess(5, 0) + " --pose-out T.txt";
+  ASSERT_EQ(mapFusion(arguments + " --init-sigma 2.5 10").code, 0);
+  expectNearTruth(dir_ / "T.txt");
+  EXPECT_NE(mapFusion(arguments + " --init-sigma 0.1 1").code, 0);
+  EXPECT_EQ(mapFusion(arguments + " --init-sigma -1 1").code, 2);
+  EXPECT_EQ(mapFusion(arguments + " --init-sigma 1").code, 2);
+  EXPECT_EQ(mapFusion("match " + both() + " --init-sigma 1 1").code, 2) << "of which guess?";
+}
+
 TEST_F(Fusing, LeavesLessUncertaintyThanThePapersBaselines) {
   std::map<std::string, double> entropy;
   for (const std::string policy : {"relative_entropy", "average", "stitch", "bayes"}) {

@@ -178,26 +178,35 @@ void matchEdges(const MapPair& pair, const Effort& effort, std::ostream& csv) {
   }
 }
 
+namespace {
+
+/** The pair without the so many metres of B that lie farthest towards A's middle. */
+MapPair cropped(const MapPair& pair, double cut) {
+  if (cut <= 0) return pair;
+  Eigen::Vector3d centre_of_a = Eigen::Vector3d::Zero();
+  const OccupiedVoxels a = extractOccupiedVoxels(*pair.a), b = extractOccupiedVoxels(*pair.b);
+  for (const auto& c : a.centre) centre_of_a += c.cast<double>() / static_cast<double>(a.size());
+  Eigen::Vector3d towards_a = pair.T_a_b.inverse() * centre_of_a - pair.centre_of_b;  // in B
+  towards_a.z() = 0;
+  towards_a.normalize();
+  double reach = -std::numeric_limits<double>::infinity();
+  for (const auto& c : b.centre) reach = std::max(reach, towards_a.dot(c.cast<double>()));
+  MapPair part = pair;
+  part.b = cropMap(*pair.b, -towards_a, cut - reach - b.resolution);
+  return part;
+}
+
+}  // namespace
+
 void reduceOverlap(const MapPair& pair, const Effort& effort, std::ostream& csv) {
   constexpr double kLeastOverlap = 0.08;  // the paper ends at 0.1
   constexpr unsigned kStarts = 5;
   writeRow(csv, "dataset,method,cut_m,overlap,start,error_m,error_deg,verdict");
   const auto starts = randomStarts(kStarts, 1.0, mrpt::DEG2RAD(7.5), 2);
 
-  // From B's middle to where A's is: that side of B is cut off. In B's frame.
-  Eigen::Vector3d centre_of_a = Eigen::Vector3d::Zero();
-  const OccupiedVoxels a = extractOccupiedVoxels(*pair.a), b = extractOccupiedVoxels(*pair.b);
-  for (const auto& c : a.centre) centre_of_a += c.cast<double>() / static_cast<double>(a.size());
-  Eigen::Vector3d towards_a = pair.T_a_b.inverse() * centre_of_a - pair.centre_of_b;
-  towards_a.z() = 0;
-  towards_a.normalize();
-  double reach = -std::numeric_limits<double>::infinity();
-  for (const auto& c : b.centre) reach = std::max(reach, towards_a.dot(c.cast<double>()));
-
   const EdgeVoxels model = extractEdges(extractOccupiedVoxels(*pair.a), {});
   for (unsigned cut = 0; cut < 40; cut += effort.stride) {
-    MapPair part = pair;
-    part.b = cropMap(*pair.b, -towards_a, cut - reach - b.resolution);
+    const MapPair part = cropped(pair, cut);
     const double overlap = trueOverlap(part);
     if (overlap < kLeastOverlap) break;
     const auto write = [&](const std::string& method, const Start& start,
@@ -216,6 +225,31 @@ void reduceOverlap(const MapPair& pair, const Effort& effort, std::ostream& csv)
       const auto poses =
           icpSteps(model.centre, scene.centre, poseOf(start, pair), kGate, kMaxIterations);
       write("edge_icp", start, {poses.back(), kMaxIterations, std::nullopt});
+    }
+  }
+}
+
+void alignFromAnywhere(const MapPair& pair, const Effort& effort, std::ostream& csv) {
+  constexpr double kBands[][2] = {{0.3, 1}, {0.2, 0.3}, {0.1, 0.2}};  // overlaps
+  constexpr unsigned kStarts = 50, kMostCut = 60;
+  writeRow(csv, "dataset,band,overlap,start,error_m,error_deg,cpu_s,verdict");
+  const auto starts = every(effort.stride, randomStarts(kStarts, 20, M_PI, 3));
+  unsigned cut = 0;
+  for (const auto& [low, high] : kBands) {
+    MapPair part = cropped(pair, cut);
+    double overlap = trueOverlap(part);
+    for (; overlap >= high && cut < kMostCut; overlap = trueOverlap(part))
+      part = cropped(pair, ++cut);
+    if (overlap < low || overlap >= high) continue;
+    for (const Start& start : starts) {
+      const auto method = makeMethod("anywhere");
+      const Stopwatch watch;
+      method->prepare(part);
+      const Registration result = method->align(poseOf(start, pair));
+      const double cpu = watch.cpu();
+      const PoseError error = errorOf(result.T_a_b, pair);
+      writeRow(csv, pair.name, std::to_string(static_cast<int>(100 * low)) + " % and more", overlap,
+               start.index, error.centre, degrees(error.angle), cpu, verdictText(result.accepted));
     }
   }
 }

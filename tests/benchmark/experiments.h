@@ -31,6 +31,10 @@ void matchEdges(const MapPair& pair, const Effort& effort, std::ostream& csv);
 /** Fig. 11: map B is cut metre by metre on the side where it overlaps map A. */
 void reduceOverlap(const MapPair& pair, const Effort& effort, std::ostream& csv);
 
+/** Without a guess: from poses that are off by up to 20 m and any yaw, of the whole pair and of
+ * parts that overlap less. Errors are of B's middle; times are of a whole match. */
+void alignFromAnywhere(const MapPair& pair, const Effort& effort, std::ostream& csv);
+
 /** Table V: each merging policy at the true pose, also against the pair's reference map. */
 void mergeByPolicy(const MapPair& pair, std::ostream& csv);
 

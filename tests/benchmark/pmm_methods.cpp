@@ -18,8 +18,9 @@ class Matching : public Method {
 
   Registration align(const Eigen::Isometry3d& start) override {
     const MatchResult result = matchMaps(a_, b_, start, settings_.match);
-    const Evaluation evaluation = evaluateMatch(*a_.map, a_.voxels, *b_.map, b_.voxels,
-                                                result.pairs, result.T_a_b, settings_.evaluation);
+    const Evaluation evaluation =
+        evaluateMatch(*a_.map, a_.voxels, *b_.map, b_.voxels, result.pairs, result.T_a_b,
+                      settings_.evaluation, result.runnerUp());
     return {result.T_a_b, static_cast<unsigned>(result.iterations.size()), evaluation.accepted};
   }
 
@@ -53,8 +54,15 @@ Settings firstLevelSettings() {
   return settings;
 }
 
+Settings withoutGuess() {
+  Settings settings;
+  settings.match.search = everywhere(settings.match.search);
+  return settings;
+}
+
 std::unique_ptr<Method> makeMethod(const std::string& name) {
   if (name == "default") return makeMatching({});
+  if (name == "anywhere") return makeMatching(withoutGuess());
   if (name == "no_search") return makeMatching(withoutSearch());
   if (name == "pmm_paper") return makeMatching(publishedSettings());
   if (name == "first_level") return makeMatching(firstLevelSettings());

@@ -32,11 +32,12 @@ COLUMNS = {
     "inliers": "dataset method threshold inlier_ratio_mean inlier_ratio_q25 inlier_ratio_q75",
     "edge_iterations": "dataset method start iteration error_m error_deg mse_m2",
     "overlap": "dataset method cut_m overlap start error_m error_deg verdict",
+    "anywhere": "dataset band overlap start error_m error_deg cpu_s verdict",
     "merging": "dataset policy size entropy_occupied entropy_known log_loss brier f1"
                " building_log_loss building_brier building_f1",
     "ablation": "dataset variant starts success strict median_m median_deg median_cpu_s",
 }
-TEXT_COLUMNS = {"dataset", "method", "start", "verdict", "truth", "policy", "variant"}
+TEXT_COLUMNS = {"dataset", "method", "band", "start", "verdict", "truth", "policy", "variant"}
 NAMES = {
     "icp": "PCL ICP", "icp_plane": "PCL point-to-plane", "gicp": "PCL GICP", "ndt": "PCL NDT",
     "first_level": "PMM, first level", "pmm_paper": "PMM as published",
@@ -285,6 +286,13 @@ def simple_tables(results):
                 ("Median, m", typical("error_m", ".3f"), min),
                 ("Median, °", typical("error_deg", ".2f"), min),
                 (LOOSE_TITLE, good(LOOSE, *errors), max), *verdicts(*errors)]),
+        "anywhere": (
+            "Without a guess: errors, verdicts and the time of a whole match.",
+            results["anywhere"], ["dataset", "band"], [
+                ("Overlap", typical("overlap", ".0%")),
+                (LOOSE_TITLE, good(LOOSE, *errors)), (STRICT_TITLE, good(STRICT, *errors)),
+                ("Median, m", typical("error_m", ".3f")), ("Median, °", typical("error_deg", ".2f")),
+                ("CPU, s", typical("cpu_s", ".2f")), *verdicts(*errors)]),
         "merging": (
             "Table V, and the merged maps against the truth; entropies and log-loss in nats.",
             results["merging"], ["dataset", "policy"], [

@@ -176,6 +176,19 @@ TEST(EvaluateMatch, AnInlierIsBelowTheDistanceOfItsParameter) {
   EXPECT_EQ(c.withPairs(10, 5, 0.5F).inliers, 5);
 }
 
+TEST(EvaluateMatch, ASecondPoseNearlyAsGoodMakesItAmbiguous) {
+  EvaluationParams params;
+  params.max_runner_up = 0.5;
+  const octomap::OcTree none(0.1);
+  const auto judged = [&](double runner_up) {
+    return evaluateMatch(none, {}, none, {}, {}, kIdentity, params, runner_up);
+  };
+  EXPECT_FALSE(judged(0.5).is_ambiguous);
+  EXPECT_TRUE(judged(0.51).is_ambiguous);
+  EXPECT_EQ(judged(0.51).runner_up, 0.51);
+  EXPECT_EQ(judged(0.51).reasons.size(), judged(0).reasons.size() + 1);
+}
+
 TEST(EvaluateMatch, TooLittleOverlapIsRejectedHoweverGoodItLooks) {
   Case c{wall(), wall()};
   EXPECT_TRUE(c.withPairs(2, 0, 0).accepted);  // 2 %

@@ -86,7 +86,7 @@ TEST_F(Matching, GivesTheHypothesesThatItCompared) {
   ASSERT_GE(r.hypotheses.size(), 2U);
   EXPECT_LT(metresBetween(r.hypotheses[0].T_a_b, truth), 0.1);
   for (size_t i = 1; i < r.hypotheses.size(); i++)
-    EXPECT_LE(r.hypotheses[i].score, r.hypotheses[i - 1].score);
+    EXPECT_LE(r.hypotheses[i].agreement, r.hypotheses[i - 1].agreement);
   EXPECT_TRUE(matchTwoLevel(fineMaps().a, fineMaps().b, guess, params).hypotheses.empty());
 }
 

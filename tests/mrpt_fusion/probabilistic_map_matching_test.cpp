@@ -13,6 +13,7 @@
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "apartment_pair.h"
@@ -75,6 +76,7 @@ std::vector<Number> numbersOf(Options& o) {
           {"inlier_mahalanobis", &o.evaluation.inlier_mahalanobis, 0.25},
           {"max_free_conflict", &o.evaluation.max_free_conflict, 0.4},
           {"min_overlap", &o.evaluation.min_overlap, 0.05},
+          {"max_runner_up", &o.evaluation.max_runner_up, 0.6},
           {"kl_threshold", &o.merge.kl_threshold, 0.123456}};
 }
 std::vector<Count> countsOf(Options& o) {
@@ -331,6 +333,86 @@ TEST_F(MapMatching, AlignPdfIsTheProjectionOnThePlane) {
       EXPECT_NEAR(cov(i, j), expected.cov(of_space[i], of_space[j]), 1e-12);
   EXPECT_GT(leastEigenvalue(cov), 0);
   EXPECT_GT(info.nIterations, 0);
+}
+
+TEST(SearchWithin, IsThreeStandardDeviationsOfThePrior) {
+  CPose3DPDFGaussian prior;
+  SearchParams configured;
+  EXPECT_EQ(searchWithin(prior, configured).translation, configured.translation);
+  EXPECT_EQ(searchWithin(prior, configured).yaw, configured.yaw);
+
+  // Standard deviations of 2 m along a diagonal, 0.5 m across it.
+  prior.cov(0, 0) = prior.cov(1, 1) = 0.5 * (4 + 0.25);
+  prior.cov(0, 1) = prior.cov(1, 0) = 0.5 * (4 - 0.25);
+  prior.cov(2, 2) = 0.04;
+  prior.cov(3, 3) = 0.01;
+  const SearchParams search = searchWithin(prior, configured);
+  EXPECT_NEAR(search.translation, 6, 1e-9);
+  EXPECT_NEAR(search.height, 0.6, 1e-9);
+  EXPECT_NEAR(search.yaw, 0.3, 1e-9);
+  EXPECT_EQ(search.hypotheses, configured.hypotheses);
+  EXPECT_FALSE(search.isEverywhere());
+
+  prior.cov(3, 3) = 100;
+  EXPECT_NEAR(searchWithin(prior, configured).yaw, M_PI, 1e-12);
+  EXPECT_TRUE(searchWithin(noGuess(), configured).isEverywhere());
+  configured.translation = 0;
+  EXPECT_EQ(searchWithin(noGuess(), configured).translation, 0) << "no search stays none";
+  prior.cov(0, 0) = -1;
+  EXPECT_ANY_THROW(searchWithin(prior, configured));
+}
+
+TEST_F(MapMatching, APriorBoundsTheSearch) {
+  CProbabilisticMapMatching with_search;
+  CPose3DPDFGaussian prior(guessOffBy(7, -5, 110));
+  const auto errorFrom = [&](const CPose3DPDFGaussian& from) {
+    return metresBetween(toEigen(gaussian(with_search.Align3DPDF(&a, &b, from)).mean),
+                         maps().truth);
+  };
+  EXPECT_GT(errorFrom(prior), 1) << "beyond what is configured";
+  prior.cov(0, 0) = prior.cov(1, 1) = 16;
+  prior.cov(2, 2) = 0.04;
+  prior.cov(3, 3) = 0.64;
+  EXPECT_LT(errorFrom(prior), 0.1);
+}
+
+TEST_F(MapMatching, NeedsNoGuess) {
+  CProbabilisticMapMatching with_search;
+  CProbabilisticMapMatching::TReturnInfo info;
+  const auto pdf = with_search.Align3DPDF(&a, &b, noGuess(), info);
+  EXPECT_LT(metresBetween(toEigen(gaussian(pdf).mean), maps().truth), 0.1);
+  EXPECT_TRUE(info.evaluation.accepted);
+  ASSERT_EQ(info.hypotheses.size(), info.match.hypotheses.size());
+  ASSERT_GE(info.hypotheses.size(), 2U);
+  const auto& best = *info.hypotheses.begin();
+  EXPECT_LT(metresBetween(toEigen(best.val.mean), maps().truth), 0.2);
+  EXPECT_GT(leastEigenvalue(best.val.cov.asEigen()), 0);
+  EXPECT_NEAR(std::exp((info.hypotheses.begin() + 1)->log_w - best.log_w),
+              info.evaluation.runner_up, 1e-9);
+}
+
+TEST_F(MapMatching, OfARoomThatIsTheSameTurnedRoundIsAmbiguous) {
+  const auto room = MapWriter(0.1)
+                        .box({0, 0, 0}, {59, 39, 24}, kFree)
+                        .shell({0, 0, 0}, {59, 39, 24}, kOccupied)
+                        .box({15, 10, 1}, {18, 13, 15}, kOccupied)
+                        .box({41, 26, 1}, {44, 29, 15}, kOccupied)
+                        .pruned();
+  const CProbOctoMap same = mapOf(*room);
+  CProbabilisticMapMatching with_search;
+  CProbabilisticMapMatching::TReturnInfo info;
+  with_search.Align3DPDF(&same, &same, noGuess(), info);
+  EXPECT_TRUE(info.evaluation.is_ambiguous);
+  EXPECT_FALSE(info.evaluation.accepted);
+  ASSERT_GE(info.match.hypotheses.size(), 2U);
+  const auto& [first, second] =
+      std::tie(info.match.hypotheses[0].T_a_b, info.match.hypotheses[1].T_a_b);
+  EXPECT_NEAR(degreesBetween(first, second), 180, 1);
+
+  // From a guess there is but one.
+  with_search.Align3D(&same, &same, CPose3D(0.3, 0.2, 0, 0.1, 0, 0), info);
+  EXPECT_FALSE(info.evaluation.is_ambiguous);
+  EXPECT_TRUE(info.evaluation.accepted);
 }
 
 TEST_F(MapMatching, WorksThroughItsBaseClass) {

@@ -103,6 +103,8 @@ std::vector<Entry> entriesOf(CProbabilisticMapMatching::TConfigParams& o) {
   add("max_free_conflict", v.max_free_conflict, 0, 1,
       "Largest share of obstacles that lie in the other map's free space; 1: not tested");
   add("min_overlap", v.min_overlap, 0, 1, "Least overlap, eq. (25), to judge by");
+  add("max_runner_up", v.max_runner_up, 0, 1,
+      "Largest agreement of the second best pose over that of the best; 1: not tested");
   add("kl_threshold", o.merge.kl_threshold, 0, kInf,
       "Relative entropy up to which probabilities are averaged, nats (Table I: 0.1)");
   return list;
@@ -227,6 +229,37 @@ Matrix6d mrpt::fusion::toYawPitchRollCovariance(const Matrix6d& covariance,
   return J * covariance * J.transpose();
 }
 
+// ---------------------------------------------------------------- priors
+
+namespace {
+constexpr double kSigmas = 3;
+constexpr double kEverywhere = 1000;  // m
+}  // namespace
+
+SearchParams mrpt::fusion::searchWithin(const mrpt::poses::CPose3DPDFGaussian& prior,
+                                        const SearchParams& configured) {
+  const auto& cov = prior.cov;
+  ASSERTMSG_(cov.asEigen().allFinite() && cov.asEigen().diagonal().minCoeff() >= 0,
+             "CProbabilisticMapMatching: the covariance of the initial guess is none");
+  if (configured.translation <= 0 || cov.asEigen().isZero(0)) return configured;
+  const double half_sum = 0.5 * (cov(0, 0) + cov(1, 1));
+  const double largest =
+      half_sum + std::hypot(0.5 * (cov(0, 0) - cov(1, 1)), 0.5 * (cov(0, 1) + cov(1, 0)));
+  SearchParams search = configured;
+  search.translation = kSigmas * std::sqrt(largest);
+  if (search.translation >= kEverywhere) return everywhere(configured);
+  search.translation = std::max(search.translation, configured.cell);
+  search.height = kSigmas * std::sqrt(cov(2, 2));
+  search.yaw = std::min(kSigmas * std::sqrt(cov(3, 3)), M_PI);
+  return search;
+}
+
+mrpt::poses::CPose3DPDFGaussian mrpt::fusion::noGuess() {
+  mrpt::poses::CPose3DPDFGaussian prior;
+  prior.cov.setDiagonal(6, kEverywhere * kEverywhere);
+  return prior;
+}
+
 // ---------------------------------------------------------------- steps
 
 namespace {
@@ -276,24 +309,37 @@ mrpt::poses::CPose3DPDF::Ptr CProbabilisticMapMatching::Align3DPDF(
   info.seconds_features = secondsSince(clock);
 
   profiler.enter("match");
-  info.match = matchMaps(fa, fb, toEigen(initialEstimationPDF.mean), options.match, onIteration);
+  MatchParams match_params = options.match;
+  match_params.search = searchWithin(initialEstimationPDF, options.match.search);
+  info.match = matchMaps(fa, fb, toEigen(initialEstimationPDF.mean), match_params, onIteration);
   profiler.leave("match");
   info.nIterations = static_cast<unsigned>(info.match.iterations.size());
   info.seconds_matching = secondsSince(clock);
 
   profiler.enter("evaluate");
   info.evaluation = evaluateMatch(a->octree(), fa.voxels, b->octree(), fb.voxels, info.match.pairs,
-                                  info.match.T_a_b, options.evaluation);
+                                  info.match.T_a_b, options.evaluation, info.match.runnerUp());
   profiler.leave("evaluate");
   info.seconds_evaluation = secondsSince(clock);
   info.executionTime = total.Tac();
   MRPT_LOG_DEBUG_FMT("%u iterations, %zu pairs, %s", info.nIterations, info.match.pairs.size(),
                      info.evaluation.accepted ? "accepted" : "rejected");
 
-  auto pdf = std::make_shared<mrpt::poses::CPose3DPDFGaussian>();
-  pdf->mean = toPose(info.match.T_a_b);
-  pdf->cov = mrpt::math::CMatrixDouble66(
-      toYawPitchRollCovariance(info.match.covariance, info.match.T_a_b));
+  const auto gaussian = [](const Eigen::Isometry3d& T, const Matrix6d& covariance) {
+    return mrpt::poses::CPose3DPDFGaussian(
+        toPose(T), mrpt::math::CMatrixDouble66(toYawPitchRollCovariance(covariance, T)));
+  };
+  const auto pdf = std::make_shared<mrpt::poses::CPose3DPDFGaussian>(
+      gaussian(info.match.T_a_b, info.match.covariance));
+  std::vector<RankedPose> possible = info.match.hypotheses;  // no weight can be zero
+  while (!possible.empty() && possible.back().agreement <= 0) possible.pop_back();
+  info.hypotheses.resize(possible.size());
+  std::transform(possible.begin(), possible.end(), info.hypotheses.begin(), [&](const auto& h) {
+    mrpt::poses::CPose3DPDFSOG::TGaussianMode mode;
+    mode.val = gaussian(h.T_a_b, h.covariance);
+    mode.log_w = std::log(h.agreement);
+    return mode;
+  });
   if (outInfo) {
     TMetricMapAlignmentResult& wanted = outInfo.value().get();
     wanted.executionTime = info.executionTime;
@@ -306,8 +352,10 @@ mrpt::poses::CPosePDF::Ptr CProbabilisticMapMatching::AlignPDF(
     const CMetricMap* m1, const CMetricMap* m2,
     const mrpt::poses::CPosePDFGaussian& initialEstimationPDF,
     mrpt::optional_ref<TMetricMapAlignmentResult> outInfo) {
-  const auto pdf =
-      Align3DPDF(m1, m2, mrpt::poses::CPose3DPDFGaussian(initialEstimationPDF), outInfo);
+  mrpt::poses::CPose3DPDFGaussian prior(initialEstimationPDF);
+  if (!prior.cov.asEigen().isZero(0))  // a pose in the plane says nothing of the height
+    prior.cov(2, 2) = std::pow(options.match.search.height / kSigmas, 2);
+  const auto pdf = Align3DPDF(m1, m2, prior, outInfo);
   auto plane = std::make_shared<mrpt::poses::CPosePDFGaussian>();
   plane->copyFrom(*pdf);
   return plane;

@@ -58,7 +58,8 @@ FreeSpaceCheck checkFreeSpace(const octomap::OcTree& model, const VoxelBlocks& o
 
 Evaluation evaluateMatch(const octomap::OcTree& map_a, const OccupiedVoxels& a,
                          const octomap::OcTree& map_b, const OccupiedVoxels& b, const Pairs& pairs,
-                         const Eigen::Isometry3d& T_a_b, const EvaluationParams& params) {
+                         const Eigen::Isometry3d& T_a_b, const EvaluationParams& params,
+                         double runner_up) {
   Evaluation e;
   e.pairs = pairs.size();
   e.overlap = overlapOf(pairs.size(), a.size(), b.size());
@@ -97,6 +98,13 @@ Evaluation evaluateMatch(const octomap::OcTree& map_a, const OccupiedVoxels& a,
             percent(params.max_free_conflict) + " may",
         percent(conflict) + " of the obstacles lie in the other map's free space, more than " +
             percent(params.max_free_conflict));
+  e.runner_up = runner_up;
+  e.is_ambiguous = runner_up > params.max_runner_up;
+  if (runner_up > 0)
+    judge(!e.is_ambiguous,
+          "the second best pose agrees " + percent(runner_up) + " as well, at most " +
+              percent(params.max_runner_up) + " may",
+          "ambiguous: the second best pose agrees " + percent(runner_up) + " as well");
   return e;
 }
 

@@ -226,13 +226,13 @@ Eigen::Vector3d meanOf(const std::vector<Eigen::Vector3f>& points) {
 }
 
 /** Best first; of those that came to the same place the best. \param[in] middle Of map B. */
-std::vector<Hypothesis> distinct(std::vector<Hypothesis> all, const Eigen::Vector3d& middle) {
+std::vector<RankedPose> distinct(std::vector<RankedPose> all, const Eigen::Vector3d& middle) {
   constexpr double kFar = 0.6, kTurned = 6 * M_PI / 180;  // another place: the paper's failure
   std::stable_sort(all.begin(), all.end(),
-                   [](const auto& g, const auto& h) { return g.score > h.score; });
-  std::vector<Hypothesis> best;
-  for (const Hypothesis& h : all) {
-    const bool is_new = std::none_of(best.begin(), best.end(), [&](const Hypothesis& g) {
+                   [](const auto& g, const auto& h) { return g.agreement > h.agreement; });
+  std::vector<RankedPose> best;
+  for (const RankedPose& h : all) {
+    const bool is_new = std::none_of(best.begin(), best.end(), [&](const RankedPose& g) {
       const Eigen::Isometry3d between = g.T_a_b.inverse() * h.T_a_b;
       return (between * middle - middle).norm() <= kFar &&
              Eigen::AngleAxisd(between.linear()).angle() <= kTurned;
@@ -277,9 +277,12 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
   for (const Eigen::Isometry3d& start : starts) {
     MatchResult refined;
     refined.T_a_b = start;
-    runLevel(few_level, params.voxel_level, twoVoxels(a, b), rough, refined, {});
+    const Pairs pairs =
+        runLevel(few_level, params.voxel_level, twoVoxels(a, b), rough, refined, {});
+    if (pairs.size() >= MatchResult::kMinPairs)
+      refined.covariance = poseCovariance(few_level.linearize(pairs, refined.T_a_b), pairs.size());
     const double reached = agreement(a, of_a, b, of_b, refined.T_a_b);
-    result.hypotheses.push_back({refined.T_a_b, reached});
+    result.hypotheses.push_back({refined.T_a_b, reached, refined.covariance});
   }
   result.hypotheses = distinct(std::move(result.hypotheses), meanOf(few_b.voxels.centre));
   result.T_a_b = result.hypotheses.front().T_a_b;

@@ -17,6 +17,8 @@ struct EvaluationParams {
   double inlier_mahalanobis = 0.2;  ///< a pair below this distance (not squared) is an inlier
   double max_free_conflict = 0.15;  ///< largest share of voxels found in the other's free space
   double min_overlap = 0.02;        ///< least overlap; below it there is nothing to judge by
+  /** Largest agreement of another pose, as a share of that of the pose found. */
+  double max_runner_up = 0.75;
 };
 
 /** Voxels that one map has occupied, at their place in the other map. */
@@ -38,6 +40,8 @@ struct Evaluation {
   double mean_mahalanobis = 0;  ///< of the pairs
   double log_likelihood = 0;    ///< log of eq. (23)
   FreeSpaceCheck free_space;    ///< both directions together
+  double runner_up = 0;         ///< agreement of the second best pose over that of this one
+  bool is_ambiguous = false;    ///< the second best pose is nearly as good
   bool accepted = false;
   std::vector<std::string> reasons;  ///< for the verdict, one sentence each
 };
@@ -60,10 +64,11 @@ FreeSpaceCheck checkFreeSpace(const octomap::OcTree& model, const VoxelBlocks& o
 
 /** Eqs. (23)-(25) on the pairs of a match, joined by what they ignore: a wrong pose can lay floor
  * on floor, but it puts walls where the other robot has seen free space. \param[in] pairs Of voxels
- * at T_a_b, gated as in matching.
+ * at T_a_b, gated as in matching. \param[in] runner_up See MatchResult::runnerUp().
  */
 Evaluation evaluateMatch(const octomap::OcTree& map_a, const OccupiedVoxels& a,
                          const octomap::OcTree& map_b, const OccupiedVoxels& b, const Pairs& pairs,
-                         const Eigen::Isometry3d& T_a_b, const EvaluationParams& params);
+                         const Eigen::Isometry3d& T_a_b, const EvaluationParams& params,
+                         double runner_up = 0);
 
 }  // namespace mrpt::fusion

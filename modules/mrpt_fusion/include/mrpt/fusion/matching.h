@@ -78,6 +78,13 @@ struct IterationRecord {
   Eigen::Isometry3d T_a_b;  ///< the pose it reached
 };
 
+/** A pose that was compared with others. */
+struct RankedPose {
+  Eigen::Isometry3d T_a_b;
+  double agreement;     ///< see agreement()
+  Matrix6d covariance;  ///< as MatchResult::covariance, from the few voxels that it was refined on
+};
+
 struct MatchResult {
   Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();
   /** Of a left perturbation (translation, rotation); huge as long as nothing is known. */
@@ -85,7 +92,13 @@ struct MatchResult {
   std::vector<IterationRecord> iterations;
   /** The poses that were compared, 0.6 m or 6 deg apart, by agreement(), best first: T_a_b is the
    * first, refined on all voxels. None without a search. */
-  std::vector<Hypothesis> hypotheses;
+  std::vector<RankedPose> hypotheses;
+  /** Agreement of the second hypothesis over that of the first, [0,1]; 0 if there is none. */
+  double runnerUp() const {
+    return hypotheses.size() > 1 && hypotheses[0].agreement > 0
+               ? hypotheses[1].agreement / hypotheses[0].agreement
+               : 0;
+  }
   Pairs pairs;  ///< of voxels at T_a_b, see pairVoxels()
   /** Fewer than this many pairs tell nothing, and no level goes on with them. */
   static constexpr size_t kMinPairs = 10;

@@ -7,6 +7,7 @@
 #include <mrpt/fusion/merging.h>
 #include <mrpt/maps/CProbOctoMap.h>
 #include <mrpt/poses/CPose3DPDFGaussian.h>
+#include <mrpt/poses/CPose3DPDFSOG.h>
 #include <mrpt/slam/CMetricMapsAlignmentAlgorithm.h>
 #include <mrpt/system/CTimeLogger.h>
 
@@ -54,12 +55,16 @@ class CProbabilisticMapMatching : public CMetricMapsAlignmentAlgorithm {
     mrpt::fusion::Evaluation evaluation;
     size_t edges_m1 = 0, edges_m2 = 0;    ///< edge voxels
     size_t voxels_m1 = 0, voxels_m2 = 0;  ///< occupied voxels
+    /** The distinct poses that were compared, best first, one mode each with its covariance; their
+     * log-weights are of how well the maps agree there. Empty without a search. */
+    mrpt::poses::CPose3DPDFSOG hypotheses{0};
     /** CPU-independent wall time of each step, seconds. */
     double seconds_features = 0, seconds_matching = 0, seconds_evaluation = 0;
   };
 
   /** SE(3). \param[in] initialEstimationPDF Its mean is the initial guess (the pose of m2 in m1's
-   * frame); its covariance is not used yet.
+   * frame), and three of its standard deviations bound the search for starts, see searchWithin():
+   * noGuess() if nothing is known. With a zero covariance they are those of the options.
    * \param[out] outInfo A TReturnInfo, if wanted.
    * \return A CPose3DPDFGaussian: the pose, and the covariance of (x, y, z, yaw, pitch, roll) from
    * the final Hessian. Check TReturnInfo::evaluation before using it.
@@ -101,6 +106,15 @@ namespace mrpt::fusion {
 /** From the covariance of a left perturbation of T (translation, rotation; A's frame) to MRPT's of
  * (x, y, z, yaw, pitch, roll). Singular at pitch = +-90 deg, as those angles are. */
 Matrix6d toYawPitchRollCovariance(const Matrix6d& covariance, const Eigen::Isometry3d& T);
+
+/** The search that a prior asks for: up to three standard deviations away. With a zero covariance
+ * the one configured; from a kilometre on everywhere(). A configured translation of 0, no search,
+ * stays. */
+SearchParams searchWithin(const mrpt::poses::CPose3DPDFGaussian& prior,
+                          const SearchParams& configured);
+
+/** A prior that says nothing but where up is. */
+mrpt::poses::CPose3DPDFGaussian noGuess();
 
 /** MRPT and Eigen poses. */
 Eigen::Isometry3d toEigen(const mrpt::poses::CPose3D& pose);
