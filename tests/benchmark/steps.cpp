@@ -202,15 +202,19 @@ void linearize(State& state, const Workload& w) {
 
 void search(State& state, const Workload& w) {
   // As many as the product takes: their number does not grow with the map.
-  OccupiedVoxels few = w.b.matched.voxels;
-  const size_t stride = few.size() / 1000 + 1;
-  std::vector<Eigen::Vector3f> centres;
-  for (size_t i = 0; i < few.size(); i += stride) centres.push_back(few.centre[i]);
-  few.centre = centres;
-  measure(state,
-          [&] { return searchAround(*w.pair.a, w.a.voxels, few, w.guess, w.params.search); });
+  const SurfaceVoxels& all = w.b.matched;
+  SurfaceVoxels few;
+  few.voxels.resolution = all.voxels.resolution;
+  const size_t stride = all.voxels.size() / 1000 + 1;
+  for (size_t i = 0; i < all.voxels.size(); i += stride) {
+    few.voxels.centre.push_back(all.voxels.centre[i]);
+    few.surfaces.normal.push_back(all.surfaces.normal[i]);
+  }
+  measure(state, [&] {
+    return searchAround(*w.pair.a, w.a.voxels, w.a.matched.surfaces, few, w.guess, w.params.search);
+  });
   report(state, w.voxelsOfBoth(),  // the tree and the voxels of A in
-         bytesOf(*w.pair.a) + bytesOf(w.a.voxels.key) + bytesOf(few.centre));
+         bytesOf(*w.pair.a) + bytesOf(w.a.voxels.key) + bytesOf(few.voxels.centre));
 }
 
 void match(State& state, const Workload& w) {

@@ -459,12 +459,14 @@ TEST_F(Optimization, PoseCovarianceIsTheSpreadOfManyEstimates) {
 }
 
 TEST_F(Optimization, PoseCovarianceSaysWhereItKnowsNothing) {
-  EXPECT_TRUE(poseCovariance(NormalEquations(), 0, 7.0).isApprox(7 * Matrix6d::Identity(), 1e-9));
+  EXPECT_TRUE(
+      poseCovariance(NormalEquations(), 0, {}, 7.0).isApprox(7 * Matrix6d::Identity(), 1e-9));
 
   // A line along z through the origin: nothing is known about turns around it, all else is.
   T_a_b.setIdentity();
   for (int i = -5; i <= 5; i++) addPair({0, 0, 0.2 * i}, 0.05 * normalVector());
-  const Matrix6d cov = poseCovariance(voxelsAt(Eigen::Isometry3d::Identity()), pairs.size(), 1e6);
+  const Matrix6d cov =
+      poseCovariance(voxelsAt(Eigen::Isometry3d::Identity()), pairs.size(), {}, 1e6);
   EXPECT_NEAR(cov(5, 5), 1e6, 1);
   EXPECT_LT(cov.diagonal().head<5>().maxCoeff(), 1);
   EXPECT_TRUE(cov.allFinite());

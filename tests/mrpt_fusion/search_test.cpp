@@ -23,7 +23,9 @@ class Search : public testing::Test {
   }
   std::vector<Hypothesis> search(const octomap::OcTree& map, const OccupiedVoxels& of_scene,
                                  const Eigen::Isometry3d& guess, const SearchParams& p) const {
-    return searchAround(map, extractOccupiedVoxels(map), of_scene, guess, p);
+    const OccupiedVoxels all = extractOccupiedVoxels(map);
+    return searchAround(map, all, computeSurfaces(all, {}),
+                        {of_scene, computeSurfaces(of_scene, {})}, guess, p);
   }
   /** Turned about the middle of the scene, as the search turns it. */
   static Eigen::Isometry3d offBy(double x, double y, double yaw) {

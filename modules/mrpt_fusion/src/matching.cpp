@@ -19,6 +19,20 @@ struct LevelProblem {
       associate;
   std::function<DescriptorWeights(double mse)> weights;
   std::function<NormalEquations(const Pairs&, const Eigen::Isometry3d&)> linearize;
+  /** At a pose, about a centre. */
+  std::function<GradientScatter(const Pairs&, const Eigen::Isometry3d&, const Eigen::Vector3d&)>
+      scatter;
+
+  double common_variance;  ///< of a shift that all pairs have in common, m^2
+
+  Matrix6d covarianceAt(const Pairs& pairs, const Eigen::Isometry3d& T) const {
+    const NormalEquations equations = linearize(pairs, T);
+    Matrix6d covariance =
+        poseCovariance(equations, pairs.size(), scatter(pairs, T, equations.centre));
+    // Floors and walls along a grid all lie by the same part of a voxel off their voxels' middles.
+    covariance.topLeftCorner<3, 3>() += common_variance * Eigen::Matrix3d::Identity();
+    return covariance;
+  }
 };
 
 /** The pairs at a pose. The weights need an MSE before there is one: that of the nearest neighbours
@@ -77,14 +91,17 @@ void matchEdges(const MapFeatures& a, const MapFeatures& b, const MatchParams& p
   const double H_m = occupancyUncertainty(a.voxels.probability, b.voxels.probability);
   const double lambda_tau = structuralUncertainty(a.edges, b.edges);
   EdgeAssociation association(a.edges);
-  runLevel({Level::Edge, b.edges.size(),
+  runLevel({Level::Edge,
+            b.edges.size(),
             [&](const auto& T, const auto& w, double gate, const Pairs* among) {
               return association.associate(b.edges, T, w, gate, among);
             },
             [&](double mse) { return descriptorWeights(mse, H_m, lambda_tau, params.weights); },
             [&](const Pairs& pairs, const auto& T) {
               return linearizeEdges(a.edges, b.edges, pairs, T, params.voxel_covariance);
-            }},
+            },
+            {},
+            0},
            params.edge_level, 0, params, result, on_iteration);
 }
 
@@ -98,7 +115,9 @@ LevelProblem voxelPairing(const OccupiedVoxels& a, const OccupiedVoxels& b,
             return association.associate(b, T, w, gate, among);
           },
           [&params, H_m](double mse) { return descriptorWeights(mse, H_m, 0, params.weights); },
-          {}};
+          {},
+          {},
+          0};
 }
 
 LevelProblem voxelLevel(const SurfaceVoxels& a, const SurfaceVoxels& b,
@@ -109,6 +128,17 @@ LevelProblem voxelLevel(const SurfaceVoxels& a, const SurfaceVoxels& b,
                ? linearizeVoxels(a.voxels, b.voxels, pairs, T)
                : linearizeSurfaces(a.voxels, a.surfaces, b.voxels, b.surfaces, pairs, T,
                                    params.flatness);
+  };
+  // What is left of both grids' quantisation with surfaces' points in place of the voxels' middles.
+  constexpr double kLeft = 1.0 / 3;
+  const double ra = a.voxels.resolution, rb = b.voxels.resolution;
+  level.common_variance = kLeft * (ra * ra + rb * rb) / 12;
+  level.scatter = [&](const Pairs& pairs, const auto& T, const auto& centre) {
+    constexpr double kPatch = 6;  // m
+    return params.voxel_metric == VoxelMetric::Point
+               ? scatterVoxels(a.voxels, b.voxels, pairs, T, centre, kPatch)
+               : scatterSurfaces(a.voxels, a.surfaces, b.voxels, b.surfaces, pairs, T,
+                                 params.flatness, centre, kPatch);
   };
   return level;
 }
@@ -128,7 +158,7 @@ void matchVoxels(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& a
   from_gate.gate = first_gate;
   const Pairs last = runLevel(level, from_gate, twoVoxels(a, b), params, result, on_iteration);
   if (last.size() >= MatchResult::kMinPairs)
-    result.covariance = poseCovariance(level.linearize(last, result.T_a_b), last.size());
+    result.covariance = level.covarianceAt(last, result.T_a_b);
   result.pairs = pairVoxels(a.voxels, b.voxels, result.T_a_b, params);
 }
 
@@ -268,7 +298,8 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
     matchEdges(a, b, rough, from_edges, on_iteration);
     starts.push_back(from_edges.T_a_b);
   }
-  for (const Hypothesis& h : searchAround(*a.map, a.voxels, few_b.voxels, T_a_b, params.search))
+  for (const Hypothesis& h :
+       searchAround(*a.map, a.voxels, a.matched.surfaces, few_b, T_a_b, params.search))
     starts.push_back(h.T_a_b);
   if (starts.empty()) starts.push_back(T_a_b);
 
@@ -280,7 +311,7 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
     const Pairs pairs =
         runLevel(few_level, params.voxel_level, twoVoxels(a, b), rough, refined, {});
     if (pairs.size() >= MatchResult::kMinPairs)
-      refined.covariance = poseCovariance(few_level.linearize(pairs, refined.T_a_b), pairs.size());
+      refined.covariance = few_level.covarianceAt(pairs, refined.T_a_b);
     const double reached = agreement(a, of_a, b, of_b, refined.T_a_b);
     result.hypotheses.push_back({refined.T_a_b, reached, refined.covariance});
   }
@@ -313,7 +344,7 @@ struct Testimony {
 
 Testimony testimonyOf(const MapFeatures& map, const Obstacles& obstacles, double resolution,
                       const Eigen::Isometry3d& T) {
-  constexpr double kOtherSide = 0.25;   // of an obstacle seen from the same side
+  constexpr double kOtherSide = 0.05;   // of an obstacle seen from the same side
   const VoxelBlocks::Ball beside(1.8);  // the 26 voxels around one
   const double before = kBeforeSurface * std::max(resolution, map.voxels.resolution);
   Testimony t;
@@ -352,7 +383,7 @@ Obstacles obstaclesOf(const octomap::OcTree& map, const SurfaceVoxels& voxels) {
 
 double agreement(const MapFeatures& a, const Obstacles& of_a, const MapFeatures& b,
                  const Obstacles& of_b, const Eigen::Isometry3d& T_a_b) {
-  constexpr double kTolerance = 0.04;
+  constexpr double kTolerance = 0.03;
   const Testimony by_a = testimonyOf(a, of_b, b.voxels.resolution, T_a_b);
   const Testimony by_b = testimonyOf(b, of_a, a.voxels.resolution, T_a_b.inverse());
   const double confirmed = by_a.confirmed + by_b.confirmed;

@@ -3,7 +3,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <utility>
 
 namespace mrpt::fusion {
@@ -43,6 +45,29 @@ NormalEquations sumOf(const std::vector<Eigen::Vector3f>& scene, const Pairs& pa
 
 using Term = std::pair<Eigen::Vector3d, Eigen::Matrix3d>;
 
+/** The scatter of the gradients of patches, the scene's cubes of a side, see GradientScatter. */
+template <class TermOf>
+GradientScatter scatterOf(const std::vector<Eigen::Vector3f>& scene, const Pairs& pairs,
+                          const Eigen::Isometry3d& T, const Eigen::Vector3d& centre, double side,
+                          TermOf&& term) {
+  std::map<std::array<int, 3>, Vector6d> patches;
+  for (const Pair& p : pairs) {
+    const Eigen::Vector3d s = scene[p.scene].cast<double>(), q = T * s;
+    const auto [e, W] = term(p, q);
+    const Eigen::Vector3d We = W * e;
+    const auto part = [side](double x) { return static_cast<int>(std::floor(x / side)); };
+    const auto found =
+        patches.try_emplace({part(s.x()), part(s.y()), part(s.z())}, Vector6d::Zero());
+    Vector6d& g = found.first->second;
+    g.head<3>() += We;
+    g.tail<3>() += (q - centre).cross(We);
+  }
+  GradientScatter scatter;
+  scatter.patches = patches.size();
+  for (const auto& [place, g] : patches) scatter.S += g * g.transpose();
+  return scatter;
+}
+
 /** Eq. (22)'s weight of a pair. */
 double occupancyFactor(const OccupiedVoxels& model, const OccupiedVoxels& scene, const Pair& p) {
   return 1 / (1 / static_cast<double>(model.probability[p.model]) +
@@ -78,27 +103,54 @@ NormalEquations linearizeEdges(const EdgeVoxels& model, const EdgeVoxels& scene,
   });
 }
 
-NormalEquations linearizeVoxels(const OccupiedVoxels& model, const OccupiedVoxels& scene,
-                                const Pairs& pairs, const Eigen::Isometry3d& T_a_b) {
-  return sumOf(scene.centre, pairs, T_a_b, [&](const Pair& p, const Eigen::Vector3d& q) -> Term {
+namespace {
+
+auto voxelTerm(const OccupiedVoxels& model, const OccupiedVoxels& scene) {
+  return [&](const Pair& p, const Eigen::Vector3d& q) -> Term {
     return {model.centre[p.model].cast<double>() - q,
             occupancyFactor(model, scene, p) * Eigen::Matrix3d::Identity()};
-  });
+  };
+}
+
+auto surfaceTerm(const OccupiedVoxels& model, const Surfaces& model_surface,
+                 const OccupiedVoxels& scene, const Surfaces& scene_surface,
+                 const Eigen::Isometry3d& T_a_b, double flatness) {
+  const Eigen::Matrix3d R = T_a_b.linear();
+  return [&, R, flatness](const Pair& p, const Eigen::Vector3d& q) -> Term {
+    return {model_surface.point[p.model].cast<double>() - q,
+            static_cast<double>(scene_surface.weight[p.scene]) * occupancyFactor(model, scene, p) *
+                surfaceWeight(model_surface.normal[p.model].cast<double>(),
+                              R * scene_surface.normal[p.scene].cast<double>(), flatness)};
+  };
+}
+
+}  // namespace
+
+NormalEquations linearizeVoxels(const OccupiedVoxels& model, const OccupiedVoxels& scene,
+                                const Pairs& pairs, const Eigen::Isometry3d& T_a_b) {
+  return sumOf(scene.centre, pairs, T_a_b, voxelTerm(model, scene));
+}
+
+GradientScatter scatterVoxels(const OccupiedVoxels& model, const OccupiedVoxels& scene,
+                              const Pairs& pairs, const Eigen::Isometry3d& T_a_b,
+                              const Eigen::Vector3d& centre, double side) {
+  return scatterOf(scene.centre, pairs, T_a_b, centre, side, voxelTerm(model, scene));
 }
 
 NormalEquations linearizeSurfaces(const OccupiedVoxels& model, const Surfaces& model_surface,
                                   const OccupiedVoxels& scene, const Surfaces& scene_surface,
                                   const Pairs& pairs, const Eigen::Isometry3d& T_a_b,
                                   double flatness) {
-  const Eigen::Matrix3d R = T_a_b.linear();
-  return sumOf(
-      scene_surface.point, pairs, T_a_b, [&](const Pair& p, const Eigen::Vector3d& q) -> Term {
-        return {model_surface.point[p.model].cast<double>() - q,
-                static_cast<double>(scene_surface.weight[p.scene]) *
-                    occupancyFactor(model, scene, p) *
-                    surfaceWeight(model_surface.normal[p.model].cast<double>(),
-                                  R * scene_surface.normal[p.scene].cast<double>(), flatness)};
-      });
+  return sumOf(scene_surface.point, pairs, T_a_b,
+               surfaceTerm(model, model_surface, scene, scene_surface, T_a_b, flatness));
+}
+
+GradientScatter scatterSurfaces(const OccupiedVoxels& model, const Surfaces& model_surface,
+                                const OccupiedVoxels& scene, const Surfaces& scene_surface,
+                                const Pairs& pairs, const Eigen::Isometry3d& T_a_b, double flatness,
+                                const Eigen::Vector3d& centre, double side) {
+  return scatterOf(scene_surface.point, pairs, T_a_b, centre, side,
+                   surfaceTerm(model, model_surface, scene, scene_surface, T_a_b, flatness));
 }
 
 Eigen::Isometry3d expSE3(const Vector6d& xi) {
@@ -140,18 +192,30 @@ Vector6d solveDamped(const NormalEquations& equations, double lambda) {
   return V * reduced.ldlt().solve(V.transpose() * equations.g);
 }
 
-Matrix6d poseCovariance(const NormalEquations& at_optimum, size_t pairs, double unknown_variance) {
+Matrix6d poseCovariance(const NormalEquations& at_optimum, size_t pairs,
+                        const GradientScatter& scatter, double unknown_variance) {
   const double freedom = std::max(1.0, 3 * static_cast<double>(pairs) - 6);
   const double residual_variance = std::max(at_optimum.error / freedom, 1e-12);
   const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(at_optimum.H);
-  Vector6d variances;
+  const auto& V = solver.eigenvectors();
+  Vector6d inverse = Vector6d::Zero(), unknown = Vector6d::Zero();
+  int known = 0;
   for (int i = 0; i < 6; i++) {
     const double value = solver.eigenvalues()[i];
-    variances[i] = value > kNoInformation * solver.eigenvalues()[5] ? residual_variance / value
-                                                                    : unknown_variance;
+    if (value > kNoInformation * solver.eigenvalues()[5]) {
+      inverse[i] = 1 / value;
+      known++;
+    } else {
+      unknown[i] = unknown_variance;
+    }
   }
-  const Matrix6d about_centre =
-      solver.eigenvectors() * variances.asDiagonal() * solver.eigenvectors().transpose();
+  const Matrix6d inverse_H = V * inverse.asDiagonal() * V.transpose();
+  const double patches = static_cast<double>(scatter.patches);
+  const double correlated = known > 0 ? (inverse_H * scatter.S).trace() / known : 0;
+  const double shrinkage = 6 / (6 + patches);
+  const Matrix6d about_centre = (residual_variance + shrinkage * correlated) * inverse_H +
+                                (1 - shrinkage) * inverse_H * scatter.S * inverse_H +
+                                V * unknown.asDiagonal() * V.transpose();
   // Turning by w about c moves the origin by -w x c = [c]x w.
   Matrix6d J = Matrix6d::Identity();
   J.topRightCorner<3, 3>() = skew(at_optimum.centre);

@@ -23,7 +23,9 @@ using Cell = std::array<int, 3>;
  * a wall there. Dense, x fastest; beyond it all is unknown. */
 class ScoreGrid {
  public:
-  static constexpr int8_t kOccupied = 1, kUnknown = 0, kFree = -kConflictWeight;
+  /** Sums of up to kMostSummed values keep both counts apart. */
+  static constexpr uint16_t kUnknown = 0, kOccupied = 1, kFree = 256;
+  static constexpr size_t kMostSummed = 255;
 
   /** Cells are the octree's cubes of 2^level voxels. */
   struct Layout {
@@ -58,8 +60,8 @@ class ScoreGrid {
     clearBesideOccupied();
   }
 
-  /** The same with cells twice as wide: each holds the highest value in it, so that no obstacle
-   * that confirms a pose is lost. */
+  /** The same with cells twice as wide: occupied if one in it is, free if all are, so that no
+   * obstacle that confirms a pose is lost. */
   ScoreGrid coarser() const {
     ScoreGrid c(*this);
     c.layout_ = {2 * layout_.cell, layout_.level + 1};
@@ -71,10 +73,10 @@ class ScoreGrid {
     for (int z = 0; z < size_[2]; z++)
       for (int y = 0; y < size_[1]; y++)
         for (int x = 0; x < size_[0]; x++) {
-          int8_t& v =
+          uint16_t& v =
               c.values_[c.index(((low_[0] + x) >> 1) - c.low_[0], ((low_[1] + y) >> 1) - c.low_[1],
                                 ((low_[2] + z) >> 1) - c.low_[2])];
-          v = std::max(v, values_[index(x, y, z)]);
+          v = lessAgainst(v, values_[index(x, y, z)]);
         }
     return c;
   }
@@ -82,19 +84,23 @@ class ScoreGrid {
   Cell cellOf(const Eigen::Vector3d& p) const { return layout_.cellOf(p); }
 
   /** Adds the values of \a length cells along x, from one on. */
-  void addRun(int x, int y, int z, int length, int8_t* sums) const {
+  void addRun(int x, int y, int z, int length, uint16_t* sums) const {
     x -= low_[0];
     y -= low_[1];
     z -= low_[2];
     if (y < 0 || y >= size_[1] || z < 0 || z >= size_[2]) return;
     const int first = std::max(0, -x), end = std::min(length, size_[0] - x);
     if (first >= end) return;
-    const int8_t* values = &values_[index(x + first, y, z)];
+    const uint16_t* values = &values_[index(x + first, y, z)];
     sums += first;
-    for (int k = 0; k < end - first; k++) sums[k] = static_cast<int8_t>(sums[k] + values[k]);
+    for (int k = 0; k < end - first; k++) sums[k] = static_cast<uint16_t>(sums[k] + values[k]);
   }
 
  private:
+  static uint16_t lessAgainst(uint16_t v, uint16_t w) {
+    if (v == kOccupied || w == kOccupied) return kOccupied;
+    return std::min(v, w);
+  }
   size_t cells() const {
     return static_cast<size_t>(size_[0]) * static_cast<size_t>(size_[1]) *
            static_cast<size_t>(size_[2]);
@@ -118,7 +124,7 @@ class ScoreGrid {
   }
 
   /** Sets the cells of a cube, as far as they are in the grid. */
-  void mark(const Cell& cube, int side, int8_t value) {
+  void mark(const Cell& cube, int side, uint16_t value) {
     Cell low, high;
     for (unsigned axis = 0; axis < 3; axis++) {
       low[axis] = std::max(cube[axis] - low_[axis], 0);
@@ -130,7 +136,7 @@ class ScoreGrid {
   }
 
   void clearBesideOccupied() {
-    const std::vector<int8_t> before = values_;
+    const std::vector<uint16_t> before = values_;
     for (int z = 1; z + 1 < size_[2]; z++)
       for (int y = 1; y + 1 < size_[1]; y++)
         for (int x = 1; x + 1 < size_[0]; x++) {
@@ -138,15 +144,15 @@ class ScoreGrid {
           for (int dz = -1; dz <= 1; dz++)
             for (int dy = -1; dy <= 1; dy++)
               for (int dx = -1; dx <= 1; dx++) {
-                int8_t& v = values_[index(x + dx, y + dy, z + dz)];
-                v = std::max(v, kUnknown);
+                uint16_t& v = values_[index(x + dx, y + dy, z + dz)];
+                v = lessAgainst(v, kUnknown);
               }
         }
   }
 
   Layout layout_;
   Cell low_{}, size_{};
-  std::vector<int8_t> values_;
+  std::vector<uint16_t> values_;
 };
 
 /** The translations tried with one yaw, in cells. */
@@ -161,7 +167,7 @@ struct Window {
 
 /** A pose of a lattice: yaw in steps, translation in cells. */
 struct Place {
-  int32_t score;
+  float score;
   int yaw, x, y, z;
 
   int64_t farness() const {
@@ -207,35 +213,51 @@ struct Lattice {
 };
 
 using Points = std::vector<Eigen::Vector3f>;
+using Normals = std::vector<Eigen::Vector3f>;
+
+/** Confirmed obstacles count the less the more lie in free space beside them: where rooms or
+ * pillars repeat, a larger overlap would win over the right one. A tenth of them leaves a fifth. */
+float scoreOf(uint32_t confirmed, uint32_t conflicting) {
+  if (confirmed == 0) return 0;
+  constexpr float kConflictWeight = 10;
+  const auto n = static_cast<float>(confirmed);
+  const float share = n / (n + kConflictWeight * static_cast<float>(conflicting));
+  return n * share * share;
+}
 
 /** The places of one yaw. */
 std::vector<Place> scoreWindow(const ScoreGrid& grid, const Lattice& lattice, int yaw,
                                const Points& points, const Window& window) {
   const auto& [low, size] = window;
-  std::vector<int32_t> sums(window.cells());
-  // As many points at a time as cannot overflow a byte: sixteen places to an instruction.
-  constexpr size_t kAtATime = 127 / kConflictWeight;
-  std::vector<int8_t> some(sums.size());
+  struct Counts {
+    uint32_t occupied = 0, free = 0;
+  };
+  std::vector<Counts> counts(window.cells());
+  std::vector<uint16_t> some(counts.size());  // eight places to an instruction
   const Eigen::Isometry3d T = lattice.turned(yaw);
-  for (size_t first = 0; first < points.size(); first += kAtATime) {
+  for (size_t first = 0; first < points.size(); first += ScoreGrid::kMostSummed) {
     std::fill(some.begin(), some.end(), 0);
-    for (size_t i = first; i < std::min(first + kAtATime, points.size()); i++) {
+    for (size_t i = first; i < std::min(first + ScoreGrid::kMostSummed, points.size()); i++) {
       const Cell c = grid.cellOf(T * points[i].cast<double>());
-      int8_t* row = some.data();
+      uint16_t* row = some.data();
       for (int z = 0; z < size[2]; z++)
         for (int y = 0; y < size[1]; y++, row += size[0])
           grid.addRun(c[0] + low[0], c[1] + low[1] + y, c[2] + low[2] + z, size[0], row);
     }
-    for (size_t k = 0; k < sums.size(); k++) sums[k] += some[k];
+    for (size_t k = 0; k < counts.size(); k++) {
+      counts[k].occupied += some[k] & 255U;
+      counts[k].free += some[k] >> 8U;
+    }
   }
 
   std::vector<Place> places;
-  places.reserve(sums.size());
+  places.reserve(counts.size());
   size_t i = 0;
   for (int z = 0; z < size[2]; z++)
     for (int y = 0; y < size[1]; y++)
-      for (int x = 0; x < size[0]; x++)
-        places.push_back({sums[i++], yaw, low[0] + x, low[1] + y, low[2] + z});
+      for (int x = 0; x < size[0]; x++, i++)
+        places.push_back(
+            {scoreOf(counts[i].occupied, counts[i].free), yaw, low[0] + x, low[1] + y, low[2] + z});
   return places;
 }
 
@@ -289,6 +311,58 @@ Eigen::AlignedBox3d boxOfMost(Points points) {
   return box;
 }
 
+/** How well the walls of two maps, by the headings of their normals, lie along each other as one
+ * map turns. */
+class WallDirections {
+ public:
+  WallDirections(const Normals& a, const Normals& b, const Eigen::Isometry3d& T_a_b) {
+    const Histogram of_a = histogram(a, Eigen::Matrix3d::Identity());
+    const Histogram of_b = histogram(b, T_a_b.linear());
+    for (int turn = 0; turn < kBins; turn++)
+      for (int i = 0; i < kBins; i++)
+        fit_[static_cast<size_t>(turn)] += of_a[wrapped(i + turn)] * of_b[static_cast<size_t>(i)];
+    double mean = 0;
+    for (const double f : fit_) {
+      mean += f / kBins;
+      best_ = std::max(best_, f);
+    }
+    least_ = mean + kShare * (best_ - mean);
+  }
+
+  /** Whether turning b by an angle, or by up to half a step more or less, may be right, rad. */
+  bool arePlausible(double yaw, double step) const {
+    const int middle = static_cast<int>(std::lround(yaw / kBin));
+    const int half = static_cast<int>(std::ceil(0.5 * step / kBin));
+    for (int i = middle - half; i <= middle + half; i++)
+      if (fit_[wrapped(i)] >= least_) return true;
+    return false;
+  }
+
+ private:
+  static constexpr int kBins = 180;  ///< of half a turn: normals have no sign
+  static constexpr double kBin = M_PI / kBins;
+  static constexpr double kShare = 0.25;  ///< of what the best turn has more than the mean
+  using Histogram = std::array<double, kBins>;
+
+  static size_t wrapped(int bin) { return static_cast<size_t>((bin % kBins + kBins) % kBins); }
+
+  static Histogram histogram(const Normals& normals, const Eigen::Matrix3d& R) {
+    constexpr int kSpread = 2;  // degrees: normals of walls scatter
+    Histogram h{};
+    for (const Eigen::Vector3f& normal : normals) {
+      const Eigen::Vector3d n = R * normal.cast<double>();
+      const double upright = n.head<2>().norm();  // 1 on walls, 0 on floors and without a normal
+      if (upright < 0.5) continue;
+      const int bin = static_cast<int>(std::floor(std::atan2(n.y(), n.x()) / kBin));
+      for (int d = -kSpread; d <= kSpread; d++) h[wrapped(bin + d)] += upright;
+    }
+    return h;
+  }
+
+  Histogram fit_{};
+  double best_ = 0, least_ = 0;
+};
+
 /** Some of the points, in their order. */
 Points someOf(const Points& points, size_t enough) {
   Points some;
@@ -300,35 +374,41 @@ Points someOf(const Points& points, size_t enough) {
 /** A search of the poses around a guess, see searchAround(). */
 class PoseSearch {
  public:
-  PoseSearch(const octomap::OcTree& map_a, const OccupiedVoxels& a, const OccupiedVoxels& b,
-             const Eigen::Isometry3d& T_a_b, const SearchParams& params)
-      : map_a_(map_a), a_(a), params_(params) {
-    const Eigen::AlignedBox3d most = boxOfMost(b.centre);
-    for (const auto& p : b.centre)
+  PoseSearch(const octomap::OcTree& map_a, const OccupiedVoxels& a, const Surfaces& surfaces_a,
+             const SurfaceVoxels& b, const Eigen::Isometry3d& T_a_b, const SearchParams& params)
+      : map_a_(map_a), a_(a), params_(params), walls_(surfaces_a.normal, b.surfaces.normal, T_a_b) {
+    heights_ = {-params.height, params.height};
+    const Eigen::AlignedBox3d most = boxOfMost(b.voxels.centre);
+    for (const auto& p : b.voxels.centre)
       if (most.contains(p.cast<double>())) points_.push_back(p);
     box_a_ = boxOfMost(a.centre);
     const Eigen::Vector3d middle = T_a_b * meanOf(points_);
     for (const auto& p : points_)
       radius_ = std::max(radius_, (T_a_b * p.cast<double>() - middle).head<2>().norm());
     region_ = region(middle, T_a_b);
-    finest_ = layoutFor(b.resolution);
+    finest_ = layoutFor(b.voxels.resolution);
     radius_ = std::max(radius_, finest_.cell);
     lattice_ = {T_a_b, middle, finest_.cell, finest_.cell / radius_};
   }
 
-  std::vector<Hypothesis> run() const {
-    // Exhaustively at the finest level whose places are few enough, then down around the best.
-    constexpr double kMostWork = 2e9;
+  std::vector<Hypothesis> run() {
     std::vector<ScoreGrid> grids = {ScoreGrid(map_a_, a_, region_, finest_)};
+    constexpr double kLittleWork = 2e8, kMostWork = 2e9;
+    if (work(0, points_) <= kLittleWork)
+      return hypotheses(exhaustive(grids[0], 0, points_, params_.hypotheses, another()));
+    // By few points, more if there is time, at the finest level whose places are few enough, then
+    // down around the best.
+    alignFloors();
+    Points few = someOf(points_, ScoreGrid::kMostSummed);
+    while (few.size() < points_.size() && 2 * work(0, few) <= kMostWork)
+      few = someOf(points_, 2 * few.size());
     unsigned level = 0;
-    while (work(level) > kMostWork && level < kMostLevels) {
+    while (work(level, few) > kMostWork && level < kMostLevels) {
       grids.push_back(grids.back().coarser());
       level++;
     }
-    if (level == 0) return hypotheses(exhaustive(grids[0], 0, params_.hypotheses));
-    std::vector<Place> places = exhaustive(grids[level], level, kKept);
-    while (level-- > 0)
-      places = refine(grids[level], level, places, level == 0 ? kRescored : kKept);
+    std::vector<Place> places = exhaustive(grids[level], level, few, kKept, same(level));
+    while (level-- > 0) places = refine(grids[level], level, few, places);
     return hypotheses(rescored(grids[0], places));
   }
 
@@ -340,8 +420,7 @@ class PoseSearch {
   }
 
   static constexpr unsigned kMostLevels = 6;
-  /** Places that a level hands to the next finer one, and that are scored by all points. */
-  static constexpr size_t kKept = 2048, kRescored = 256;
+  static constexpr size_t kKept = 2048;  ///< places that a level hands to the next finer one
 
   /** The part of map A that tells poses apart: where B's voxels can come to lie, and free space
    * not far from all obstacles. */
@@ -377,15 +456,56 @@ class PoseSearch {
     return layout;
   }
 
-  /** The scene's points to try at a level: few will do to tell what is worth a closer look. */
-  Points fewPoints() const {
-    constexpr size_t kEnough = 250;
-    return someOf(points_, kEnough);
+  /** Moves the lattice to the height at which most obstacles find one at their own: half a wide
+   * cell off, floors, which are most of a map, would miss each other at all of its places. */
+  void alignFloors() {
+    const double step = std::max(a_.resolution, 0.25 * lattice_.cell);
+    const auto layerOf = [step](double z) { return static_cast<int>(std::floor(z / step)); };
+    const Eigen::AlignedBox3d box_b = boxOf(points_, lattice_.T_a_b);
+    const int low_a = layerOf(box_a_.min().z()), low_b = layerOf(box_b.min().z());
+    std::vector<double> layers_a(static_cast<size_t>(layerOf(box_a_.max().z()) - low_a + 1));
+    std::vector<double> layers_b(static_cast<size_t>(layerOf(box_b.max().z()) - low_b + 1));
+    for (const auto& p : a_.centre) {
+      const int layer = layerOf(p.z()) - low_a;
+      if (layer >= 0 && layer < static_cast<int>(layers_a.size()))
+        layers_a[static_cast<size_t>(layer)]++;
+    }
+    for (const auto& p : points_)
+      layers_b[static_cast<size_t>(layerOf((lattice_.T_a_b * p.cast<double>()).z()) - low_b)]++;
+    const int most = static_cast<int>(std::min(params_.height / step, 1e6));
+    const int first = std::max(-most, low_a - low_b - static_cast<int>(layers_b.size()));
+    std::vector<double> fit;
+    for (int s = first; s <= std::min(most, low_a - low_b + static_cast<int>(layers_a.size()));
+         s++) {
+      fit.push_back(0);
+      for (size_t k = 0; k < layers_b.size(); k++) {
+        const int layer = static_cast<int>(k) + low_b + s - low_a;
+        if (layer >= 0 && layer < static_cast<int>(layers_a.size()))
+          fit.back() += layers_b[k] * layers_a[static_cast<size_t>(layer)];
+      }
+    }
+    const auto best = std::max_element(fit.begin(), fit.end());
+    constexpr double kShare =
+        0.6;  // of the best: floors on floors of other storeys, not on ceilings
+    const auto isGood = [&](double f) { return f >= kShare * *best; };
+    const auto lowest = std::find_if(fit.begin(), best, isGood);
+    const auto highest = std::find_if(fit.rbegin(), fit.rend(), isGood);
+    heights_ = {step * static_cast<double>(lowest - best),
+                step * static_cast<double>(highest.base() - 1 - best)};
+    const auto shift = static_cast<double>(first + (best - fit.begin()));
+    const Eigen::Vector3d up(0, 0, shift * step);
+    lattice_.T_a_b.pretranslate(up);
+    lattice_.middle += up;
   }
 
-  int yawsAt(const Lattice& lattice) const {
-    const double most = std::min(params_.yaw, M_PI);
-    return static_cast<int>(std::ceil(most / lattice.yaw_step));
+  /** The yaws to try: those that lay walls along walls. */
+  std::vector<int> yawsAt(const Lattice& lattice) const {
+    const int most = static_cast<int>(std::ceil(std::min(params_.yaw, M_PI) / lattice.yaw_step));
+    std::vector<int> yaws;
+    for (int yaw = -most; yaw <= most; yaw++)
+      if (!params_.isEverywhere() || walls_.arePlausible(yaw * lattice.yaw_step, lattice.yaw_step))
+        yaws.push_back(yaw);
+    return yaws;
   }
 
   /** A guess that is wrong in yaw turned the map about the origin of B's frame as likely as about
@@ -399,13 +519,16 @@ class PoseSearch {
     Window w;
     for (int axis = 0; axis < 3; axis++) {
       const double cell = lattice.cell;
-      const double far = std::ceil((axis == 2 ? params_.height : params_.translation) / cell);
-      const double shift =
-          axis == 2 ? 0 : std::clamp(std::round(swing[axis] / cell), -2 * far, 2 * far);
-      const double low = std::max(std::min(0.0, shift) - far,
-                                  std::floor((box_a_.min()[axis] - box_b.max()[axis]) / cell));
-      const double high = std::min(std::max(0.0, shift) + far,
-                                   std::ceil((box_a_.max()[axis] - box_b.min()[axis]) / cell));
+      const double far = std::ceil(params_.translation / cell);
+      const double shift = std::clamp(std::round(swing[axis] / cell), -2 * far, 2 * far);
+      const double nearest =
+          axis == 2 ? std::floor(heights_[0] / cell) : std::min(0.0, shift) - far;
+      const double farthest =
+          axis == 2 ? std::ceil(heights_[1] / cell) : std::max(0.0, shift) + far;
+      const double low =
+          std::max(nearest, std::floor((box_a_.min()[axis] - box_b.max()[axis]) / cell));
+      const double high =
+          std::min(farthest, std::ceil((box_a_.max()[axis] - box_b.min()[axis]) / cell));
       w.low[axis] = static_cast<int>(low);
       w.size[axis] = static_cast<int>(std::max(0.0, high - low + 1));
     }
@@ -413,16 +536,15 @@ class PoseSearch {
   }
 
   /** Values to add up at a level. */
-  double work(unsigned level) const {
+  double work(unsigned level, const Points& points) const {
     const Lattice lattice = lattice_.level(level);
-    const Points points = level == 0 ? points_ : fewPoints();
-    const int yaws = yawsAt(lattice);
-    constexpr int kSample = 8;  // of the windows
-    double sum = 0;
-    int n = 0;
-    for (int yaw = -yaws; yaw <= yaws; yaw += std::max(1, yaws / kSample), n++)
-      sum += static_cast<double>(windowOf(lattice, yaw, points).cells());
-    return sum / n * (2.0 * yaws + 1) * static_cast<double>(points.size());
+    const std::vector<int> yaws = yawsAt(lattice);
+    constexpr size_t kSample = 16;  // of the windows
+    const size_t stride = (yaws.size() + kSample - 1) / kSample;
+    double sum = 0, n = 0;
+    for (size_t i = 0; i < yaws.size(); i += stride, n++)
+      sum += static_cast<double>(windowOf(lattice, yaws[i], points).cells());
+    return sum / std::max(n, 1.0) * static_cast<double>(yaws.size() * points.size());
   }
 
   int stepsOfATurn(unsigned level) const {
@@ -435,27 +557,24 @@ class PoseSearch {
     return {3, static_cast<int>(kNearYaw / lattice_.yaw_step), stepsOfATurn(0)};
   }
 
-  std::vector<Place> exhaustive(const ScoreGrid& grid, unsigned level, size_t count) const {
-    constexpr size_t kOfAYaw = 64;
+  std::vector<Place> exhaustive(const ScoreGrid& grid, unsigned level, const Points& points,
+                                size_t count, const Near& near) const {
+    constexpr size_t kOfAYaw = 128;
     const Lattice lattice = lattice_.level(level);
-    const Points points = level == 0 ? points_ : fewPoints();
-    const Near near = level == 0 ? another() : same(level);
-    const int yaws = yawsAt(lattice);
-    std::vector<std::vector<Place>> of_yaw(static_cast<size_t>(2 * yaws + 1));
+    const std::vector<int> yaws = yawsAt(lattice);
+    std::vector<std::vector<Place>> of_yaw(yaws.size());
     forEachIndex(of_yaw.size(), 1, [&](size_t i) {
-      const int yaw = static_cast<int>(i) - yaws;
-      const Window window = windowOf(lattice, yaw, points);
-      of_yaw[i] = mostDistinct(scoreWindow(grid, lattice, yaw, points, window),
+      const Window window = windowOf(lattice, yaws[i], points);
+      of_yaw[i] = mostDistinct(scoreWindow(grid, lattice, yaws[i], points, window),
                                std::min(count, kOfAYaw), near);
     });
     return mostDistinct(concatenated(of_yaw), count, near);
   }
 
   /** From the places of the next coarser level. */
-  std::vector<Place> refine(const ScoreGrid& grid, unsigned level, const std::vector<Place>& coarse,
-                            size_t count) const {
+  std::vector<Place> refine(const ScoreGrid& grid, unsigned level, const Points& points,
+                            const std::vector<Place>& coarse) const {
     const Lattice lattice = lattice_.level(level);
-    const Points points = fewPoints();
     std::vector<std::vector<Place>> best(coarse.size());
     forEachIndex(coarse.size(), 1, [&](size_t i) {
       const Place& c = coarse[i];
@@ -467,7 +586,7 @@ class PoseSearch {
       }
       best[i] = mostDistinct(std::move(around), 1, same(level));
     });
-    return mostDistinct(concatenated(best), count, same(level));
+    return mostDistinct(concatenated(best), kKept, same(level));
   }
 
   /** By all points, at the finest level. */
@@ -490,8 +609,10 @@ class PoseSearch {
   const OccupiedVoxels& a_;
   Points points_;  // of the scene
   const SearchParams& params_;
+  WallDirections walls_;
   Eigen::AlignedBox3d box_a_, region_;
-  double radius_ = 0;  // of B about its middle, across the vertical, m
+  std::array<double, 2> heights_{};  // lowest and highest shift to try, m
+  double radius_ = 0;                // of B about its middle, across the vertical, m
   ScoreGrid::Layout finest_{};
   Lattice lattice_{};
 };
@@ -499,18 +620,18 @@ class PoseSearch {
 }  // namespace
 
 SearchParams everywhere(SearchParams params) {
-  constexpr unsigned kLeastHypotheses = 16;
+  constexpr unsigned kLeastHypotheses = 24;
   params.translation = params.height = params.yaw = std::numeric_limits<double>::infinity();
   params.hypotheses = std::max(params.hypotheses, kLeastHypotheses);
   return params;
 }
 
 std::vector<Hypothesis> searchAround(const octomap::OcTree& map_a, const OccupiedVoxels& a,
-                                     const OccupiedVoxels& b, const Eigen::Isometry3d& T_a_b,
-                                     const SearchParams& params) {
-  if (a.size() == 0 || b.size() == 0 || params.translation <= 0 || params.hypotheses == 0)
+                                     const Surfaces& surfaces_a, const SurfaceVoxels& b,
+                                     const Eigen::Isometry3d& T_a_b, const SearchParams& params) {
+  if (a.size() == 0 || b.voxels.size() == 0 || params.translation <= 0 || params.hypotheses == 0)
     return {};
-  return PoseSearch(map_a, a, b, T_a_b, params).run();
+  return PoseSearch(map_a, a, surfaces_a, b, T_a_b, params).run();
 }
 
 }  // namespace mrpt::fusion

@@ -15,7 +15,7 @@ namespace mrpt::fusion {
 
 struct EvaluationParams {
   double inlier_mahalanobis = 0.2;  ///< a pair below this distance (not squared) is an inlier
-  double max_free_conflict = 0.15;  ///< largest share of voxels found in the other's free space
+  double max_free_conflict = 0.10;  ///< largest share of voxels found in the other's free space
   double min_overlap = 0.02;        ///< least overlap; below it there is nothing to judge by
   /** Largest agreement of another pose, as a share of that of the pose found. */
   double max_runner_up = 0.75;

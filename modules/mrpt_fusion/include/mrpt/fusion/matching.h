@@ -150,7 +150,7 @@ struct Obstacles {
 Obstacles obstaclesOf(const octomap::OcTree& map, const SurfaceVoxels& voxels);
 
 /** How well two maps agree at a pose, by some obstacles of each (not in the paper): how many of
- * them the other map confirms, times exp(-r / 0.04) where a share r of those that it can tell of
+ * them the other map confirms, times exp(-r / 0.03) where a share r of those that it can tell of
  * lies in its free space. The right pose has few of these (0 to 7 % on all our maps), while a wrong
  * one may well have the larger overlap. An obstacle is confirmed in full by one that is seen from
  * the same side, else in part: a floor on a ceiling, or two rooms back to back, contradict nothing.

@@ -24,6 +24,14 @@ struct NormalEquations {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< c, m
 };
 
+/** How the pairs of one patch of the scene, a cube of some side, together pull at the pose: the
+ * scatter of the patches' gradients. What two maps get wrong they get wrong for a whole piece of
+ * wall (drift, a door ajar), so the pairs of a patch are not independent; patches nearly are. */
+struct GradientScatter {
+  Matrix6d S = Matrix6d::Zero();  ///< sum of g g' over the patches, about the same centre as H
+  size_t patches = 0;
+};
+
 /** Eq. (21), the edge level: e = m - T s, W = (Sigma_m + R Sigma_s R')^-1 with the fused
  * covariances of eq. (9). \param[in] floor_variance See EdgeCovariance::matrix(), m^2. */
 NormalEquations linearizeEdges(const EdgeVoxels& model, const EdgeVoxels& scene, const Pairs& pairs,
@@ -43,6 +51,16 @@ NormalEquations linearizeSurfaces(const OccupiedVoxels& model, const Surfaces& m
                                   const OccupiedVoxels& scene, const Surfaces& scene_surface,
                                   const Pairs& pairs, const Eigen::Isometry3d& T_a_b,
                                   double flatness);
+
+/** The gradients of both, by patches of the scene. \param[in] centre Of the normal equations, m.
+ * \param[in] side Of a patch, m. */
+GradientScatter scatterVoxels(const OccupiedVoxels& model, const OccupiedVoxels& scene,
+                              const Pairs& pairs, const Eigen::Isometry3d& T_a_b,
+                              const Eigen::Vector3d& centre, double side);
+GradientScatter scatterSurfaces(const OccupiedVoxels& model, const Surfaces& model_surface,
+                                const OccupiedVoxels& scene, const Surfaces& scene_surface,
+                                const Pairs& pairs, const Eigen::Isometry3d& T_a_b, double flatness,
+                                const Eigen::Vector3d& centre, double side);
 
 /** exp of a twist (translation part first, as V xi_t; rotation as a vector, rad). */
 Eigen::Isometry3d expSE3(const Vector6d& xi);
@@ -65,10 +83,12 @@ Eigen::Isometry3d perturb(const Eigen::Isometry3d& T, const Vector6d& xi,
                           const Eigen::Vector3d& centre);
 
 /** The covariance of a left perturbation of the pose about the origin of A's frame, from the
- * equations at the optimum: s^2 H^-1 with the residual
- * variance s^2 = error / (3 pairs - 6); directions with no information get \a unknown_variance. */
+ * equations at the optimum: s^2 H^-1 with the residual variance s^2 = error / (3 pairs - 6), and,
+ * for what whole patches have in common, H^-1 S H^-1 (the sandwich estimator of clustered data,
+ * e.g. Cameron and Miller 2015), which few patches make unsure: with n of them 6 / (6 + n) of it is
+ * spread as H^-1 is. Directions with no information get \a unknown_variance. */
 Matrix6d poseCovariance(const NormalEquations& at_optimum, size_t pairs,
-                        double unknown_variance = 1e6);
+                        const GradientScatter& scatter = {}, double unknown_variance = 1e6);
 
 // ------------------------------------------------------------------------------------------------
 

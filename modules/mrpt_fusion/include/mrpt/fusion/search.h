@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <mrpt/fusion/voxels.h>
+#include <mrpt/fusion/edges.h>
 #include <octomap/OcTree.h>
 
 #include <Eigen/Geometry>
@@ -30,11 +30,6 @@ struct SearchParams {
 /** The same for maps of which nothing is known but where up is. */
 SearchParams everywhere(SearchParams params);
 
-/** An obstacle of one map that lies in the other's free space speaks as loud against a pose as so
- * many that the other confirms speak for it: any floor confirms any floor, and where rooms or
- * pillars repeat, a larger overlap would win over the right one. */
-constexpr int kConflictWeight = 10;
-
 /** A pose and how well the maps agree there. */
 struct Hypothesis {
   Eigen::Isometry3d T_a_b;
@@ -46,17 +41,18 @@ struct Hypothesis {
  * moves by more than a cell from one to the next. An obstacle of B counts for a pose where A has
  * one too, and against it where A has seen free space, away from obstacles.
  *
- * All of them, if they are not too many; else all of a coarser lattice, on A's octree at a lesser
- * depth and with some of B's voxels, then the neighbourhoods of the best at the next finer one.
+ * If these are many, some of B's voxels tell which are looked at more closely; of too many, those
+ * of a coarser lattice, on A's octree at a lesser depth, then the neighbourhoods of the best. From
+ * everywhere() only yaws that lay walls along walls are tried, as far as the maps have any.
  *
- * \param[in] a All of A's occupied voxels.
+ * \param[in] a All of A's occupied voxels. \param[in] surfaces_a Of all or some of them.
  * \param[in] b Some of B's occupied voxels, spread evenly, about one to a cell.
  * \return The best poses that are three cells or 10 deg apart, best first: nearer ones lead to the
  * same place. Deterministic, whatever the number of threads. Cost: yaws * translations * voxels
  * of B, in contiguous runs of bytes.
  */
 std::vector<Hypothesis> searchAround(const octomap::OcTree& map_a, const OccupiedVoxels& a,
-                                     const OccupiedVoxels& b, const Eigen::Isometry3d& T_a_b,
-                                     const SearchParams& params);
+                                     const Surfaces& surfaces_a, const SurfaceVoxels& b,
+                                     const Eigen::Isometry3d& T_a_b, const SearchParams& params);
 
 }  // namespace mrpt::fusion
