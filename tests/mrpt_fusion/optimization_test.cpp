@@ -458,6 +458,63 @@ TEST_F(Optimization, PoseCovarianceIsTheSpreadOfManyEstimates) {
   EXPECT_LT(ratio.maxCoeff(), 1.25);
 }
 
+TEST_F(Optimization, GradientScatterByHand) {
+  T_a_b.setIdentity();
+  // Two pairs in one patch of 2 m, one in another; w = 1/2.
+  addPair({0.5, 0.5, 0.5}, {1, 0, 0});
+  addPair({1.5, 0.5, 0.5}, {0, 1, 0});
+  addPair({3.5, 0.5, 0.5}, {0, 0, 1});
+  for (auto* set : {&model, &scene}) set->probability.assign(3, 1.F);
+  const GradientScatter scatter =
+      scatterVoxels(model, scene, pairs, T_a_b, Eigen::Vector3d(0.5, 0.5, 0.5), 2);
+  Vector6d first, second;  // sums of w e, and of r x w e
+  first << 0.5, 0.5, 0, 0, 0, 0.5;
+  second << 0, 0, 0.5, 0, -1.5, 0;
+  EXPECT_EQ(scatter.patches, 2U);
+  EXPECT_TRUE(scatter.S.isApprox(first * first.transpose() + second * second.transpose(), 1e-6));
+}
+
+TEST_F(Optimization, PoseCovarianceCountsWhatPatchesHaveInCommon) {
+  // Each patch of many pairs is shifted as a whole, as pieces of a map that drifted.
+  constexpr int kTrials = 300, kPerPatch = 20;
+  constexpr double kNoise = 0.05, kSide = 6;
+  std::vector<size_t> patch;
+  size_t patches = 0;
+  for (int x = -2; x <= 2; x++)
+    for (int y = -2; y <= 2; y++)
+      for (int z = 0; z <= 1; z++, patches++)
+        for (int i = 0; i < kPerPatch; i++) {
+          addPair(kSide * Eigen::Vector3d(x + 0.5, y + 0.5, z + 0.5) +
+                  Eigen::Vector3d::Random() * 2);
+          patch.push_back(patches);
+        }
+  for (auto* set : {&model, &scene}) set->probability.assign(pairs.size(), 0.9F);
+  const auto exact = model.centre;
+  Matrix6d spread = Matrix6d::Zero(), predicted = Matrix6d::Zero(), independent = spread;
+  for (int trial = 0; trial < kTrials; trial++) {
+    std::vector<Eigen::Vector3f> shift;
+    for (size_t k = 0; k < patches; k++) shift.push_back((kNoise * normalVector()).cast<float>());
+    for (size_t i = 0; i < exact.size(); i++) model.centre[i] = exact[i] + shift[patch[i]];
+    const Eigen::Isometry3d found = optimizeVoxels(T_a_b);
+    const NormalEquations n = voxelsAt(found);
+    const GradientScatter scatter = scatterVoxels(model, scene, pairs, found, n.centre, kSide);
+    EXPECT_EQ(scatter.patches, patches);
+    predicted += poseCovariance(n, pairs.size(), scatter) / kTrials;
+    independent += poseCovariance(n, pairs.size()) / kTrials;
+    const Eigen::Isometry3d error = found * T_a_b.inverse();
+    const Eigen::AngleAxisd turn(error.linear());
+    Vector6d xi;
+    xi << error.translation(), turn.angle() * turn.axis();
+    spread += xi * xi.transpose() / kTrials;
+  }
+  const auto ratioTo = [&](const Matrix6d& covariance) {
+    return (covariance.inverse() * spread).trace() / 6;  // the mean NEES over its freedom
+  };
+  EXPECT_GT(ratioTo(predicted), 0.7);
+  EXPECT_LT(ratioTo(predicted), 1.4);
+  EXPECT_GT(ratioTo(independent), 5) << "20 pairs each are but one";
+}
+
 TEST_F(Optimization, PoseCovarianceSaysWhereItKnowsNothing) {
   EXPECT_TRUE(
       poseCovariance(NormalEquations(), 0, {}, 7.0).isApprox(7 * Matrix6d::Identity(), 1e-9));
