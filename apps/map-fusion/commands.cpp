@@ -9,6 +9,7 @@
 #include <mrpt/slam/CProbabilisticMapMatching.h>
 #include <mrpt/system/CTicTac.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <iostream>
 #include <map>

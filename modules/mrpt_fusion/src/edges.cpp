@@ -332,17 +332,20 @@ std::vector<uint32_t> detectEdges(const OccupiedVoxels& voxels, const VoxelBlock
   for (size_t k = 0; k < pieces.voxels.size(); k++)
     first_of[k + 1] = first_of[k] + static_cast<uint32_t>(surfaces.weight[k]);
 
+  const auto variationAround = [&](const octomap::OcTreeKey& key) {
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> pca;
+    pca.computeDirect(momentsAround(occupied, bend_ball, key).covariance(), Eigen::EigenvaluesOnly);
+    return static_cast<float>(surfaceVariation(pca.eigenvalues(), params).value_or(0));
+  };
   // Where the surface bends most: the piece's own voxel may lie beside the edge.
   const auto mostBent = [&](size_t k) {
     uint32_t best = first_of[k];
     if (first_of[k + 1] == best + 1) return best;
     float most = -1;
     for (uint32_t i = first_of[k]; i < first_of[k + 1]; i++) {
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> pca;
-      pca.computeDirect(momentsAround(occupied, bend_ball, voxels.key[i]).covariance(),
-                        Eigen::EigenvaluesOnly);
-      const auto variation =
-          static_cast<float>(surfaceVariation(pca.eigenvalues(), params).value_or(0));
+      const octomap::OcTreeKey& key = voxels.key[i];
+      const float variation =
+          key == pieces.voxels.key[k] ? surfaces.variation[k] : variationAround(key);
       if (variation <= most) continue;
       most = variation;
       best = i;
@@ -357,9 +360,9 @@ std::vector<uint32_t> detectEdges(const OccupiedVoxels& voxels, const VoxelBlock
       if (surfaces.variation[k] < params.min_surface_variation) continue;
       const uint32_t i = mostBent(k);
       const octomap::OcTreeKey& key = voxels.key[i];
-      const Eigen::Vector3f normal =
-          key == pieces.voxels.key[k] ? surfaces.normal[k]
-                                      : surfaceAround(occupied, bend_ball, key, params).normal;
+      const Eigen::Vector3f normal = key == pieces.voxels.key[k]
+                                         ? surfaces.normal[k]
+                                         : surfaceAround(occupied, bend_ball, key, params).normal;
       if (normal.isZero(0) ||
           angleCost(near, cost_ball, key, normal, surfaces.normal) <= params.kappa)
         continue;

@@ -16,18 +16,6 @@ std::string percent(double ratio) {
   return text;
 }
 
-enum class Finding : uint8_t { Unknown, Agrees, Conflicts };
-
-/** What the map says of an obstacle at a point. Only a place seen free with nothing occupied around
- * it contradicts: half a voxel of quantisation in each map is no contradiction. */
-Finding findingAt(const octomap::OcTree& map, const VoxelBlocks& occupied,
-                  const VoxelBlocks::Ball& beside, const Eigen::Vector3d& p) {
-  octomap::OcTreeKey key;
-  if (!map.coordToKeyChecked(p.x(), p.y(), p.z(), key)) return Finding::Unknown;
-  if (occupied.anyAround({key[0], key[1], key[2]}, beside)) return Finding::Agrees;
-  return map.search(key) ? Finding::Conflicts : Finding::Unknown;
-}
-
 }  // namespace
 
 double mahalanobisDistance(double squared_distance, double p_model, double p_scene) {
@@ -42,13 +30,20 @@ double overlapOf(size_t matches, size_t model_voxels, size_t scene_voxels) {
 
 double acceptanceThreshold(double overlap) { return std::clamp(0.9 - overlap / 2, 0.6, 0.8); }
 
+Finding findingAt(const octomap::OcTree& map, const VoxelBlocks& occupied,
+                  const Eigen::Vector3d& p) {
+  static const VoxelBlocks::Ball beside(1.8);  // the 26 voxels around one
+  octomap::OcTreeKey key;
+  if (!map.coordToKeyChecked(p.x(), p.y(), p.z(), key)) return Finding::Unknown;
+  if (occupied.anyAround({key[0], key[1], key[2]}, beside)) return Finding::Agrees;
+  return map.search(key) ? Finding::Conflicts : Finding::Unknown;
+}
+
 FreeSpaceCheck checkFreeSpace(const octomap::OcTree& model, const VoxelBlocks& occupied,
                               const OccupiedVoxels& scene, const Eigen::Isometry3d& T_model_scene) {
-  const VoxelBlocks::Ball beside(1.8);  // the 26 voxels around one
   std::vector<Finding> findings(scene.size());
   forEachIndex(scene.size(), kGrain, [&](size_t i) {
-    findings[i] =
-        findingAt(model, occupied, beside, T_model_scene * scene.centre[i].cast<double>());
+    findings[i] = findingAt(model, occupied, T_model_scene * scene.centre[i].cast<double>());
   });
   const auto count = [&](Finding f) {
     return static_cast<size_t>(std::count(findings.begin(), findings.end(), f));

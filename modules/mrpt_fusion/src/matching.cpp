@@ -22,8 +22,7 @@ struct LevelProblem {
   /** At a pose, about a centre. */
   std::function<GradientScatter(const Pairs&, const Eigen::Isometry3d&, const Eigen::Vector3d&)>
       scatter;
-
-  double common_variance;  ///< of a shift that all pairs have in common, m^2
+  double common_variance = 0;  ///< of a shift that all pairs have in common, m^2
 
   Matrix6d covarianceAt(const Pairs& pairs, const Eigen::Isometry3d& T) const {
     const NormalEquations equations = linearize(pairs, T);
@@ -91,33 +90,35 @@ void matchEdges(const MapFeatures& a, const MapFeatures& b, const MatchParams& p
   const double H_m = occupancyUncertainty(a.voxels.probability, b.voxels.probability);
   const double lambda_tau = structuralUncertainty(a.edges, b.edges);
   EdgeAssociation association(a.edges);
-  runLevel({Level::Edge,
-            b.edges.size(),
-            [&](const auto& T, const auto& w, double gate, const Pairs* among) {
-              return association.associate(b.edges, T, w, gate, among);
-            },
-            [&](double mse) { return descriptorWeights(mse, H_m, lambda_tau, params.weights); },
-            [&](const Pairs& pairs, const auto& T) {
-              return linearizeEdges(a.edges, b.edges, pairs, T, params.voxel_covariance);
-            },
-            {},
-            0},
-           params.edge_level, 0, params, result, on_iteration);
+  LevelProblem problem;
+  problem.level = Level::Edge;
+  problem.scene_size = b.edges.size();
+  problem.associate = [&](const auto& T, const auto& w, double gate, const Pairs* among) {
+    return association.associate(b.edges, T, w, gate, among);
+  };
+  problem.weights = [&](double mse) {
+    return descriptorWeights(mse, H_m, lambda_tau, params.weights);
+  };
+  problem.linearize = [&](const Pairs& pairs, const auto& T) {
+    return linearizeEdges(a.edges, b.edges, pairs, T, params.voxel_covariance);
+  };
+  runLevel(problem, params.edge_level, 0, params, result, on_iteration);
 }
 
 /** How the voxel level pairs: all that judging a pose needs of it. */
 LevelProblem voxelPairing(const OccupiedVoxels& a, const OccupiedVoxels& b,
                           VoxelAssociation& association, const MatchParams& params) {
   const double H_m = occupancyUncertainty(a.probability, b.probability);
-  return {Level::Voxel,
-          b.size(),
-          [&](const auto& T, const auto& w, double gate, const Pairs* among) {
-            return association.associate(b, T, w, gate, among);
-          },
-          [&params, H_m](double mse) { return descriptorWeights(mse, H_m, 0, params.weights); },
-          {},
-          {},
-          0};
+  LevelProblem problem;
+  problem.level = Level::Voxel;
+  problem.scene_size = b.size();
+  problem.associate = [&](const auto& T, const auto& w, double gate, const Pairs* among) {
+    return association.associate(b, T, w, gate, among);
+  };
+  problem.weights = [&params, H_m](double mse) {
+    return descriptorWeights(mse, H_m, 0, params.weights);
+  };
+  return problem;
 }
 
 LevelProblem voxelLevel(const SurfaceVoxels& a, const SurfaceVoxels& b,
@@ -249,12 +250,6 @@ SurfaceVoxels fewOf(const SurfaceVoxels& all, double spacing) {
   return {select(voxels, few), select(surfaces, few)};
 }
 
-Eigen::Vector3d meanOf(const std::vector<Eigen::Vector3f>& points) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const auto& p : points) sum += p.cast<double>();
-  return sum / static_cast<double>(std::max<size_t>(1, points.size()));
-}
-
 /** Best first; of those that came to the same place the best. \param[in] middle Of map B. */
 std::vector<RankedPose> distinct(std::vector<RankedPose> all, const Eigen::Vector3d& middle) {
   constexpr double kFar = 0.6, kTurned = 6 * M_PI / 180;  // another place: the paper's failure
@@ -344,19 +339,17 @@ struct Testimony {
 
 Testimony testimonyOf(const MapFeatures& map, const Obstacles& obstacles, double resolution,
                       const Eigen::Isometry3d& T) {
-  constexpr double kOtherSide = 0.05;   // of an obstacle seen from the same side
-  const VoxelBlocks::Ball beside(1.8);  // the 26 voxels around one
+  constexpr double kOtherSide = 0.05;  // of an obstacle seen from the same side
   const double before = kBeforeSurface * std::max(resolution, map.voxels.resolution);
   Testimony t;
   for (size_t i = 0; i < obstacles.centre.size(); i++) {
-    const Eigen::Vector3d centre = obstacles.centre[i].cast<double>(), p = T * centre;
-    octomap::OcTreeKey key;
-    if (!map.map->coordToKeyChecked(p.x(), p.y(), p.z(), key)) continue;
-    if (map.occupied.anyAround({key[0], key[1], key[2]}, beside)) {
+    const Eigen::Vector3d centre = obstacles.centre[i].cast<double>();
+    const Finding finding = findingAt(*map.map, map.occupied, T * centre);
+    if (finding == Finding::Agrees) {
       const Eigen::Vector3d front = obstacles.front[i].cast<double>();
       const bool same_side = front.isZero(0) || isFree(*map.map, T * (centre + before * front));
       t.confirmed += same_side ? 1 : kOtherSide;
-    } else if (map.map->search(key)) {
+    } else if (finding == Finding::Conflicts) {
       t.contradicted++;
     }
   }

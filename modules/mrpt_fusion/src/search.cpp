@@ -279,12 +279,6 @@ std::vector<Place> mostDistinct(std::vector<Place> places, size_t count, const N
   return best;
 }
 
-Eigen::Vector3d meanOf(const Points& points) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const auto& p : points) sum += p.cast<double>();
-  return sum / static_cast<double>(std::max<size_t>(1, points.size()));
-}
-
 Eigen::AlignedBox3d boxOf(const Points& points, const Eigen::Isometry3d& T) {
   Eigen::AlignedBox3d box;
   for (const auto& p : points) box.extend(T * p.cast<double>());
@@ -385,7 +379,7 @@ class PoseSearch {
     const Eigen::Vector3d middle = T_a_b * meanOf(points_);
     for (const auto& p : points_)
       radius_ = std::max(radius_, (T_a_b * p.cast<double>() - middle).head<2>().norm());
-    region_ = region(middle, T_a_b);
+    region_ = region(T_a_b);
     finest_ = layoutFor(b.voxels.resolution);
     radius_ = std::max(radius_, finest_.cell);
     lattice_ = {T_a_b, middle, finest_.cell, finest_.cell / radius_};
@@ -424,7 +418,7 @@ class PoseSearch {
 
   /** The part of map A that tells poses apart: where B's voxels can come to lie, and free space
    * not far from all obstacles. */
-  Eigen::AlignedBox3d region(const Eigen::Vector3d& middle, const Eigen::Isometry3d& T) const {
+  Eigen::AlignedBox3d region(const Eigen::Isometry3d& T) const {
     constexpr double kBeside = 5;
     const double beside = std::min(params_.translation + params_.height, kBeside);
     Eigen::AlignedBox3d near_a = box_a_;
@@ -434,8 +428,6 @@ class PoseSearch {
     Eigen::AlignedBox3d box_b = boxOf(points_, T);
     const double reach = 3 * params_.translation + (params_.yaw > 0 ? radius_ : 0);
     const Eigen::Vector3d extra(reach, reach, 2 * params_.height);
-    box_b.extend(middle - extra);
-    box_b.extend(middle + extra);
     box_b.extend(box_b.min() - extra);
     box_b.extend(box_b.max() + extra);
     const Eigen::AlignedBox3d common = near_a.intersection(box_b);
@@ -485,8 +477,8 @@ class PoseSearch {
       }
     }
     const auto best = std::max_element(fit.begin(), fit.end());
-    constexpr double kShare =
-        0.6;  // of the best: floors on floors of other storeys, not on ceilings
+    if (best == fit.end() || *best == 0) return;  // they share no height that may be tried
+    constexpr double kShare = 0.6;  // of the best: floors on other storeys' floors, not on ceilings
     const auto isGood = [&](double f) { return f >= kShare * *best; };
     const auto lowest = std::find_if(fit.begin(), best, isGood);
     const auto highest = std::find_if(fit.rbegin(), fit.rend(), isGood);

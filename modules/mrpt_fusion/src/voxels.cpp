@@ -2,6 +2,7 @@
 #include <mrpt/fusion/voxels.h>
 #include <mrpt/maps/octree_build.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -79,6 +80,12 @@ class OccupiedVoxelExtraction {
 
 OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map, size_t max_voxels) {
   return OccupiedVoxelExtraction(map, max_voxels).run();
+}
+
+Eigen::Vector3d meanOf(const std::vector<Eigen::Vector3f>& points) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const auto& p : points) sum += p.cast<double>();
+  return sum / static_cast<double>(std::max<size_t>(1, points.size()));
 }
 
 MapStatistics statisticsOf(const octomap::OcTree& map) {

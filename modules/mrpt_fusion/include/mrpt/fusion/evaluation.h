@@ -6,6 +6,7 @@
 #include <octomap/OcTree.h>
 
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,14 @@ double overlapOf(size_t matches, size_t model_voxels, size_t scene_voxels);
 /** The least inlier ratio accepted at an overlap (the list after eq. 25): 0.8 up to Theta = 0.2,
  * 0.9 - Theta / 2 up to 0.6, then 0.6. The paper's Fig. 9: 0.7 at 0.4. */
 double acceptanceThreshold(double overlap);
+
+enum class Finding : uint8_t { Unknown, Agrees, Conflicts };
+
+/** What a map says of an obstacle at a point (m, the map's frame). Only a place seen free with
+ * nothing occupied around it contradicts: half a voxel of quantisation in each map is no
+ * contradiction. \param[in] occupied All of the map's occupied voxels. */
+Finding findingAt(const octomap::OcTree& map, const VoxelBlocks& occupied,
+                  const Eigen::Vector3d& p);
 
 /** Looks each occupied voxel of the scene up in the model, one way. \param[in] occupied All of the
  * model's occupied voxels. O(voxels of the scene). */

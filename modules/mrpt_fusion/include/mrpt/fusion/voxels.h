@@ -28,6 +28,9 @@ struct OccupiedVoxels {
  */
 OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map, size_t max_voxels = 100'000'000);
 
+/** The middle of some points, m; the origin if there are none. */
+Eigen::Vector3d meanOf(const std::vector<Eigen::Vector3f>& points);
+
 /** Figures of a map's voxels, each pruned leaf counted as the finest voxels it stands for. */
 struct MapStatistics {
   size_t occupied = 0, free = 0;     ///< finest voxels
