@@ -66,24 +66,6 @@ TEST_F(Search, FromEverywhereIsNotLedAwayByStrayReturns) {
   EXPECT_LT(degreesBetween(found[0].T_a_b, kIdentity), 5);
 }
 
-TEST_F(Search, MapsThatNoHeightBringsTogetherAreNoReasonToCrash) {
-  // Wide in the plane and narrow in height, and the maps less than a cell beyond it: the scene's
-  // lowest voxels 0.7 m above the model's highest.
-  SearchParams wide = params;
-  wide.translation = 20;
-  wide.yaw = M_PI;
-  wide.height = 0.3;
-  double top = 0;
-  for (const auto& p : extractOccupiedVoxels(model()).centre)
-    top = std::max(top, static_cast<double>(p.z()));
-  double bottom = top;
-  for (const auto& p : scene().centre) bottom = std::min(bottom, static_cast<double>(p.z()));
-  Eigen::Isometry3d above = kIdentity;
-  above.translation().z() = top - bottom + 0.7;
-  for (const Hypothesis& h : search(model(), scene(), above, wide))
-    EXPECT_TRUE(h.T_a_b.matrix().allFinite());
-}
-
 TEST_F(Search, GivesSoManyDistinctHypothesesBestFirst) {
   SearchParams five = params;
   five.hypotheses = 5;
