@@ -28,6 +28,7 @@ Options paperOptions() {
   o.match.edges.min_surface_variation = 0;
   o.match.edges.trace_window = M_PI / 2;
   o.match.voxel_spacing = 0;
+  o.match.edge_spacing = 0;
   o.match.search.translation = 0;
   o.match.voxel_metric = mrpt::fusion::VoxelMetric::Point;
   o.match.edge_level.final_gate = o.match.edge_level.gate;

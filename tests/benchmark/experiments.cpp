@@ -69,7 +69,7 @@ bool isStrictSuccess(const PoseError& e) { return e.centre <= 0.1 && degrees(e.a
 /** The default without one of the steps beyond the paper, by name. */
 std::vector<std::pair<const char*, std::function<void(MatchParams&)>>> ablations() {
   return {{"default", [](MatchParams&) {}},
-          {"no search", [](MatchParams& p) { p.search.translation = 0; }},
+          {"no search", [](MatchParams& p) { p.search.translation = p.edge_spacing = 0; }},
           {"one hypothesis", [](MatchParams& p) { p.search.hypotheses = 1; }},
           {"no edge level", [](MatchParams& p) { p.edge_level.max_iterations = 0; }},
           {"point metric", [](MatchParams& p) { p.voxel_metric = VoxelMetric::Point; }},
@@ -82,7 +82,7 @@ void describeData(const MapPair& pair, std::ostream& csv) {
   writeRow(csv, "dataset,voxels_a,voxels_b,edges_a,edges_b,overlap,size_x_m,size_y_m,size_z_m",
            "resolution_m,truth");
   MatchParams params;
-  params.voxel_spacing = 0;  // the table counts all edge voxels
+  params.voxel_spacing = params.edge_spacing = 0;  // the table counts all edge voxels
   const MapFeatures a = computeFeatures(*pair.a, params), b = computeFeatures(*pair.b, params);
   Eigen::AlignedBox3d box;
   for (const auto& c : a.voxels.centre) box.extend(c.cast<double>());
@@ -118,17 +118,17 @@ void alignFromStarts(const MapPair& pair, const std::string& method_name, const 
   writeRow(costs, pair.name, method_name, cpu, wall, peakMemory());
 
   // The same judge for all: the paper's pairs and distances (Sec. V-A) at each method's result.
-  const OccupiedVoxels a = extractOccupiedVoxels(*pair.a), b = extractOccupiedVoxels(*pair.b);
+  const MapVoxels a(*pair.a), b(*pair.b);
   const auto thresholds = inlierThresholds();
   std::vector<std::vector<double>> rates(thresholds.size());
   for (size_t i = 0; i < starts.size(); i++) {
     const Registration& result = results[i];
-    const Pairs pairs = pairVoxels(a, b, result.T_a_b, {});
-    const Evaluation evaluation = evaluateMatch(*pair.a, a, *pair.b, b, pairs, result.T_a_b, {});
+    const Pairs pairs = pairVoxels(a.voxels, b.voxels, result.T_a_b, {});
+    const Evaluation evaluation = evaluateMatch(a, b, pairs, result.T_a_b, {});
     std::vector<double> distances;
     for (const Pair& p : pairs)
-      distances.push_back(
-          mahalanobisDistance(p.squared_distance, a.probability[p.model], b.probability[p.scene]));
+      distances.push_back(mahalanobisDistance(p.squared_distance, a.voxels.probability[p.model],
+                                              b.voxels.probability[p.scene]));
     for (size_t t = 0; t < thresholds.size(); t++) {
       const auto n = std::count_if(distances.begin(), distances.end(),
                                    [&](double d) { return d < thresholds[t]; });

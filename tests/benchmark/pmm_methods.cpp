@@ -19,8 +19,7 @@ class Matching : public Method {
   Registration align(const Eigen::Isometry3d& start) override {
     const MatchResult result = matchMaps(a_, b_, start, settings_.match);
     const Evaluation evaluation =
-        evaluateMatch(*a_.map, a_.voxels, *b_.map, b_.voxels, result.pairs, result.T_a_b,
-                      settings_.evaluation, result.runnerUp());
+        evaluateMatch(a_, b_, result.pairs, result.T_a_b, settings_.evaluation, result.runnerUp());
     return {result.T_a_b, static_cast<unsigned>(result.iterations.size()), evaluation.accepted};
   }
 
@@ -44,7 +43,7 @@ Settings publishedSettings() {
 
 Settings withoutSearch() {
   Settings settings;
-  settings.match.search.translation = 0;
+  settings.match.search.translation = settings.match.edge_spacing = 0;
   return settings;
 }
 

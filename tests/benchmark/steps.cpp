@@ -149,8 +149,10 @@ void surfaces(State& state, const Workload& w) {
 
 void edges(State& state, const Workload& w) {
   const SurfaceVoxels& matched = w.a.matched;
-  const auto e = measure(
-      state, [&] { return extractEdges(w.a.voxels, w.a.occupied, matched, w.params.edges); });
+  const auto e = measure(state, [&] {
+    return extractEdges(w.a.voxels, w.a.occupied, matched, edgeCandidates(matched, w.params),
+                        w.params.edges);
+  });
   report(
       state, w.a.voxels.size(),  // all keys, the matched voxels and surfaces in, edges out
       bytesOf(w.a.voxels.key) + bytesOf(matched.voxels) + bytesOf(matched.surfaces) + bytesOf(e));
@@ -229,9 +231,7 @@ void match(State& state, const Workload& w) {
 
 void evaluate(State& state, const Workload& w) {
   const Pairs pairs = pairVoxels(w.a.voxels, w.b.voxels, w.pair.T_a_b, w.params);
-  measure(state, [&] {
-    return evaluateMatch(*w.pair.a, w.a.voxels, *w.pair.b, w.b.voxels, pairs, w.pair.T_a_b, {});
-  });
+  measure(state, [&] { return evaluateMatch(w.a, w.b, pairs, w.pair.T_a_b, {}); });
   report(state, w.voxelsOfBoth(),  // pairs, and of both tree, places and probabilities in
          bytesOf(pairs) + bytesOf(*w.pair.a) + bytesOf(*w.pair.b) + bytesOf(w.a.voxels.centre) +
              bytesOf(w.b.voxels.centre) + bytesOf(w.a.voxels.probability) +

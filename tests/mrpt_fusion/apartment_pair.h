@@ -10,6 +10,13 @@
 
 namespace mrpt::fusion::test {
 
+/** With all edges: the first level is tested by itself too. */
+inline MapFeatures featuresOf(const octomap::OcTree& map) {
+  MatchParams params;
+  params.edge_spacing = 0;
+  return computeFeatures(map, params);
+}
+
 /** Two maps of an apartment, a common 3.5 m wide, each in a frame amid it and on a grid of its own.
  * Coarse ones are for tests of something else than accuracy: they take a fourth of the time. */
 struct ApartmentPair {
@@ -23,8 +30,8 @@ struct ApartmentPair {
       mrpt::maps::transformOcTree(*apartment({0, 0, 0}, {65, 69, 25}), T_a_w, resolution);
   const std::unique_ptr<octomap::OcTree> map_b =
       mrpt::maps::transformOcTree(*apartment({30, 0, 0}, {99, 69, 25}), T_b_w, resolution);
-  const MapFeatures a = computeFeatures(*map_a, MatchParams());
-  const MapFeatures b = computeFeatures(*map_b, MatchParams());
+  const MapFeatures a = featuresOf(*map_a);
+  const MapFeatures b = featuresOf(*map_b);
 };
 
 }  // namespace mrpt::fusion::test

@@ -58,7 +58,7 @@ std::unique_ptr<octomap::OcTree> airAndWall() {
 
 FreeSpaceCheck check(const OccupiedVoxels& scene, const Eigen::Isometry3d& T) {
   const auto model = airAndWall();
-  return checkFreeSpace(*model, VoxelBlocks(extractOccupiedVoxels(*model).key), scene, T);
+  return checkFreeSpace(MapVoxels(*model), scene, T);
 }
 
 FreeSpaceCheck checkAt(const std::vector<Cell>& cells, const Eigen::Isometry3d& T = kIdentity) {
@@ -111,13 +111,11 @@ TEST(FreeSpace, IsLookedUpWhereThePosePutsTheObstacle) {
 /** Two maps, hand-made pairs of their voxels, and what evaluateMatch() says of them. */
 struct Case {
   std::unique_ptr<octomap::OcTree> map_a, map_b;
-  OccupiedVoxels a = extractOccupiedVoxels(*map_a), b = extractOccupiedVoxels(*map_b);
+  MapVoxels a{*map_a}, b{*map_b};
   Eigen::Isometry3d T_a_b = kIdentity;
   EvaluationParams params = {};
 
-  Evaluation with(const Pairs& pairs) const {
-    return evaluateMatch(*map_a, a, *map_b, b, pairs, T_a_b, params);
-  }
+  Evaluation with(const Pairs& pairs) const { return evaluateMatch(a, b, pairs, T_a_b, params); }
   /** The i-th of a with the i-th of b, so many at a distance, the rest at none. */
   Evaluation withPairs(uint32_t n, uint32_t apart, float distance) const {
     Pairs pairs;
@@ -140,7 +138,7 @@ std::string reasonsOf(const Evaluation& e) {
 
 TEST(EvaluateMatch, FiguresByHand) {
   const Case c{wall(), wall()};
-  ASSERT_EQ(c.a.size(), 100);
+  ASSERT_EQ(c.a.voxels.size(), 100);
   // 40 pairs: 10 of them 0.5 m apart, that is 0.25 by eq. (24).
   const Evaluation e = c.withPairs(40, 10, 0.5F);
   EXPECT_EQ(e.pairs, 40);
@@ -181,7 +179,7 @@ TEST(EvaluateMatch, ASecondPoseNearlyAsGoodMakesItAmbiguous) {
   params.max_runner_up = 0.5;
   const octomap::OcTree none(0.1);
   const auto judged = [&](double runner_up) {
-    return evaluateMatch(none, {}, none, {}, {}, kIdentity, params, runner_up);
+    return evaluateMatch(MapVoxels(none), MapVoxels(none), {}, kIdentity, params, runner_up);
   };
   EXPECT_FALSE(judged(0.5).is_ambiguous);
   EXPECT_TRUE(judged(0.51).is_ambiguous);
@@ -236,14 +234,14 @@ TEST(EvaluateMatch, FreeSpaceSeesWhatTheInliersDoNot) {
   };
   Case c{room(), room()};
   c.T_a_b = poseOf(1.5, 0, 0, 0);
-  const Pairs pairs = pairVoxels(c.a, c.b, c.T_a_b, MatchParams());
+  const Pairs pairs = pairVoxels(c.a.voxels, c.b.voxels, c.T_a_b, MatchParams());
   const Evaluation e = c.with(pairs);
   EXPECT_GT(e.inlier_ratio, e.threshold);
   EXPECT_GT(e.free_space.conflictRatio(), c.params.max_free_conflict);
   EXPECT_FALSE(e.accepted);
 
   c.T_a_b = kIdentity;
-  EXPECT_TRUE(c.with(pairVoxels(c.a, c.b, c.T_a_b, MatchParams())).accepted);
+  EXPECT_TRUE(c.with(pairVoxels(c.a.voxels, c.b.voxels, c.T_a_b, MatchParams())).accepted);
 }
 
 }  // namespace

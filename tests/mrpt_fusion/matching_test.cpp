@@ -187,8 +187,7 @@ TEST_F(Matching, AsPublishedSucceedsByThePapersOwnCriterion) {
 
 TEST_F(Matching, TheMatchIsAcceptedAndAPoseOffByAMetreIsNot) {
   const auto verdictAt = [](const Eigen::Isometry3d& T, const Pairs& pairs) {
-    return evaluateMatch(*fineMaps().map_a, fineMaps().a.voxels, *fineMaps().map_b,
-                         fineMaps().b.voxels, pairs, T, EvaluationParams());
+    return evaluateMatch(fineMaps().a, fineMaps().b, pairs, T, EvaluationParams());
   };
   const MatchResult r = matchTwoLevel(fineMaps().a, fineMaps().b, guess, params);
   EXPECT_TRUE(verdictAt(r.T_a_b, r.pairs).accepted);
@@ -237,7 +236,7 @@ Eigen::Isometry3d gridMotion(double x, double y, double z) {
 struct MovedMap {
   MovedMap(const octomap::OcTree& source, const Eigen::Isometry3d& M)
       : map(mrpt::maps::transformOcTree(source, M, source.getResolution())),
-        features(computeFeatures(*map, MatchParams())) {}
+        features(featuresOf(*map)) {}
 
   std::unique_ptr<octomap::OcTree> map;
   MapFeatures features;
@@ -440,9 +439,8 @@ TEST(MatchingOfRobotMaps, ComesBackToTheTruth) {
     const MatchResult r = matchTwoLevel(features_a, features_b, truth * off, params);
     EXPECT_LT(metresBetween(r.T_a_b, truth), 0.1);
     EXPECT_LT(degreesBetween(r.T_a_b, truth), 1);
-    EXPECT_TRUE(evaluateMatch(*map_a, features_a.voxels, *map_b, features_b.voxels, r.pairs,
-                              r.T_a_b, EvaluationParams())
-                    .accepted);
+    EXPECT_TRUE(
+        evaluateMatch(features_a, features_b, r.pairs, r.T_a_b, EvaluationParams()).accepted);
   }
 }
 

@@ -60,6 +60,7 @@ std::vector<Number> numbersOf(Options& o) {
           {"min_surface_variation", &e.min_surface_variation, 0.05},
           {"trace_window_deg", &e.trace_window, 45},
           {"voxel_spacing", &match.voxel_spacing, 0.3},
+          {"edge_spacing", &match.edge_spacing, 0.5},
           {"search_translation", &match.search.translation, 1.5},
           {"search_height", &match.search.height, 0.4},
           {"search_yaw_deg", &match.search.yaw, 33},
@@ -232,7 +233,9 @@ class MapMatching : public testing::Test {
   static CPose3D guessOffBy(double x, double y, double yaw) {
     return toPose(maps().truth * poseOf(x, y, 0, yaw));
   }
-  MapMatching() { pmm.options.match.search.translation = 0; }  // the guesses are near
+  MapMatching() {  // the guesses are near
+    pmm.options.match.search.translation = pmm.options.match.edge_spacing = 0;
+  }
 
   CProbabilisticMapMatching pmm;
   const CProbOctoMap a = mapOf(*maps().map_a), b = mapOf(*maps().map_b);

@@ -70,6 +70,9 @@ std::vector<Entry> entriesOf(CProbabilisticMapMatching::TConfigParams& o) {
   auto& m = o.match;
   add("voxel_spacing", m.voxel_spacing, 0, 1000,
       "Match by one voxel in each cube of the octree at least this wide, m; 0: by all");
+  add("edge_spacing", m.edge_spacing, 0, 1000,
+      "Look for one edge voxel in each cube at least this wide, m; 0: everywhere, which a match "
+      "without a search needs");
   add("search_translation", m.search.translation, 0, 1000,
       "Half width of the search around the guess in x and y, m; 0: start at the guess alone");
   add("search_height", m.search.height, 0, 1000, "Half width of the search in z, m");
@@ -317,8 +320,8 @@ mrpt::poses::CPose3DPDF::Ptr CProbabilisticMapMatching::Align3DPDF(
   info.seconds_matching = secondsSince(clock);
 
   profiler.enter("evaluate");
-  info.evaluation = evaluateMatch(a->octree(), fa.voxels, b->octree(), fb.voxels, info.match.pairs,
-                                  info.match.T_a_b, options.evaluation, info.match.runnerUp());
+  info.evaluation = evaluateMatch(fa, fb, info.match.pairs, info.match.T_a_b, options.evaluation,
+                                  info.match.runnerUp());
   profiler.leave("evaluate");
   info.seconds_evaluation = secondsSince(clock);
   info.executionTime = total.Tac();
@@ -366,15 +369,13 @@ CProbabilisticMapMatching::TReturnInfo CProbabilisticMapMatching::evaluate(
   const auto a = octomapOf(m1), b = octomapOf(m2);
   const mrpt::system::CTimeLoggerEntry timing(profiler, "evaluate");
   mrpt::system::CTicTac clock;
-  const OccupiedVoxels va = extractOccupiedVoxels(a->octree());
-  const OccupiedVoxels vb = extractOccupiedVoxels(b->octree());
+  const MapVoxels va(a->octree()), vb(b->octree());
   TReturnInfo info;
-  info.voxels_m1 = va.size();
-  info.voxels_m2 = vb.size();
+  info.voxels_m1 = va.voxels.size();
+  info.voxels_m2 = vb.voxels.size();
   info.match.T_a_b = toEigen(pose);
-  info.match.pairs = pairVoxels(va, vb, info.match.T_a_b, options.match);
-  info.evaluation = evaluateMatch(a->octree(), va, b->octree(), vb, info.match.pairs,
-                                  info.match.T_a_b, options.evaluation);
+  info.match.pairs = pairVoxels(va.voxels, vb.voxels, info.match.T_a_b, options.match);
+  info.evaluation = evaluateMatch(va, vb, info.match.pairs, info.match.T_a_b, options.evaluation);
   info.executionTime = info.seconds_evaluation = clock.Tac();
   return info;
 }

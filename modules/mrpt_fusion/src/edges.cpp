@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 #include "kd_tree.h"
@@ -316,10 +317,11 @@ bool isBend(SurfaceTracer& tracer, const std::vector<Eigen::Vector2f>& direction
                      [&](const Eigen::Vector2f& d) { return isEdge(bend(d)); });
 }
 
-/** Lines 7-22: of the voxels that each piece of surface stands for the one that is an edge, or
- * kNone. */
+/** Lines 7-22: of the voxels that each candidate stands for the one that is an edge, or kNone. */
 std::vector<uint32_t> detectEdges(const OccupiedVoxels& voxels, const VoxelBlocks& occupied,
-                                  const SurfaceVoxels& pieces, const EdgeParams& params) {
+                                  const SurfaceVoxels& pieces,
+                                  const std::vector<uint32_t>& candidates,
+                                  const EdgeParams& params) {
   const Surfaces& surfaces = pieces.surfaces;
   const VoxelBlocks near(pieces.voxels.key);
   const VoxelBlocks::Ball cost_ball(
@@ -353,10 +355,11 @@ std::vector<uint32_t> detectEdges(const OccupiedVoxels& voxels, const VoxelBlock
     return best;
   };
 
-  std::vector<uint32_t> found(pieces.voxels.size(), kNone);
+  std::vector<uint32_t> found(candidates.size(), kNone);
   forEachRange(found.size(), kGrain, [&](size_t begin, size_t end) {
     SurfaceTracer tracer(occupied, distance);
-    for (size_t k = begin; k < end; k++) {
+    for (size_t c = begin; c < end; c++) {
+      const size_t k = candidates[c];
       if (surfaces.variation[k] < params.min_surface_variation) continue;
       const uint32_t i = mostBent(k);
       const octomap::OcTreeKey& key = voxels.key[i];
@@ -368,7 +371,7 @@ std::vector<uint32_t> detectEdges(const OccupiedVoxels& voxels, const VoxelBlock
         continue;
       tracer.moveTo(key);
       const Eigen::Vector3f u = acrossEdge(near, bend_ball, key, normal, surfaces.normal);
-      if (isBend(tracer, directions, normal, u, params)) found[k] = i;
+      if (isBend(tracer, directions, normal, u, params)) found[c] = i;
     }
   });
   return found;
@@ -458,13 +461,16 @@ std::vector<float> computeAngleCosts(const OccupiedVoxels& voxels,
 
 EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const EdgeParams& params) {
   const VoxelBlocks occupied(voxels.key);
-  return extractEdges(voxels, occupied, {voxels, computeSurfaces(voxels, occupied, params)},
+  std::vector<uint32_t> all(voxels.size());
+  std::iota(all.begin(), all.end(), 0);
+  return extractEdges(voxels, occupied, {voxels, computeSurfaces(voxels, occupied, params)}, all,
                       params);
 }
 
 EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const VoxelBlocks& occupied,
-                        const SurfaceVoxels& pieces, const EdgeParams& params) {
-  std::vector<uint32_t> found = detectEdges(voxels, occupied, pieces, params);
+                        const SurfaceVoxels& pieces, const std::vector<uint32_t>& candidates,
+                        const EdgeParams& params) {
+  std::vector<uint32_t> found = detectEdges(voxels, occupied, pieces, candidates, params);
   found.erase(std::remove(found.begin(), found.end(), kNone), found.end());
   std::vector<Eigen::Vector3f> points;
   for (const uint32_t i : found) points.push_back(voxels.centre[i]);

@@ -30,20 +30,19 @@ double overlapOf(size_t matches, size_t model_voxels, size_t scene_voxels) {
 
 double acceptanceThreshold(double overlap) { return std::clamp(0.9 - overlap / 2, 0.6, 0.8); }
 
-Finding findingAt(const octomap::OcTree& map, const VoxelBlocks& occupied,
-                  const Eigen::Vector3d& p) {
+Finding findingAt(const MapVoxels& map, const Eigen::Vector3d& p) {
   static const VoxelBlocks::Ball beside(1.8);  // the 26 voxels around one
   octomap::OcTreeKey key;
-  if (!map.coordToKeyChecked(p.x(), p.y(), p.z(), key)) return Finding::Unknown;
-  if (occupied.anyAround({key[0], key[1], key[2]}, beside)) return Finding::Agrees;
-  return map.search(key) ? Finding::Conflicts : Finding::Unknown;
+  if (!map.map->coordToKeyChecked(p.x(), p.y(), p.z(), key)) return Finding::Unknown;
+  if (map.occupied.anyAround({key[0], key[1], key[2]}, beside)) return Finding::Agrees;
+  return map.map->search(key) ? Finding::Conflicts : Finding::Unknown;
 }
 
-FreeSpaceCheck checkFreeSpace(const octomap::OcTree& model, const VoxelBlocks& occupied,
-                              const OccupiedVoxels& scene, const Eigen::Isometry3d& T_model_scene) {
+FreeSpaceCheck checkFreeSpace(const MapVoxels& model, const OccupiedVoxels& scene,
+                              const Eigen::Isometry3d& T_model_scene) {
   std::vector<Finding> findings(scene.size());
   forEachIndex(scene.size(), kGrain, [&](size_t i) {
-    findings[i] = findingAt(model, occupied, T_model_scene * scene.centre[i].cast<double>());
+    findings[i] = findingAt(model, T_model_scene * scene.centre[i].cast<double>());
   });
   const auto count = [&](Finding f) {
     return static_cast<size_t>(std::count(findings.begin(), findings.end(), f));
@@ -51,18 +50,17 @@ FreeSpaceCheck checkFreeSpace(const octomap::OcTree& model, const VoxelBlocks& o
   return {count(Finding::Agrees), count(Finding::Conflicts)};
 }
 
-Evaluation evaluateMatch(const octomap::OcTree& map_a, const OccupiedVoxels& a,
-                         const octomap::OcTree& map_b, const OccupiedVoxels& b, const Pairs& pairs,
+Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pairs,
                          const Eigen::Isometry3d& T_a_b, const EvaluationParams& params,
                          double runner_up) {
   Evaluation e;
   e.pairs = pairs.size();
-  e.overlap = overlapOf(pairs.size(), a.size(), b.size());
+  e.overlap = overlapOf(pairs.size(), a.voxels.size(), b.voxels.size());
   e.threshold = acceptanceThreshold(e.overlap);
   double sum = 0;
   for (const Pair& p : pairs) {
-    const double d =
-        mahalanobisDistance(p.squared_distance, a.probability[p.model], b.probability[p.scene]);
+    const double d = mahalanobisDistance(p.squared_distance, a.voxels.probability[p.model],
+                                         b.voxels.probability[p.scene]);
     sum += d;
     e.log_likelihood -= d * d;
     if (d < params.inlier_mahalanobis) e.inliers++;
@@ -71,8 +69,8 @@ Evaluation evaluateMatch(const octomap::OcTree& map_a, const OccupiedVoxels& a,
     e.mean_mahalanobis = sum / static_cast<double>(pairs.size());
     e.inlier_ratio = static_cast<double>(e.inliers) / static_cast<double>(pairs.size());
   }
-  const FreeSpaceCheck b_in_a = checkFreeSpace(map_a, VoxelBlocks(a.key), b, T_a_b);
-  const FreeSpaceCheck a_in_b = checkFreeSpace(map_b, VoxelBlocks(b.key), a, T_a_b.inverse());
+  const FreeSpaceCheck b_in_a = checkFreeSpace(a, b.voxels, T_a_b);
+  const FreeSpaceCheck a_in_b = checkFreeSpace(b, a.voxels, T_a_b.inverse());
   e.free_space = {b_in_a.agreeing + a_in_b.agreeing, b_in_a.conflicting + a_in_b.conflicting};
 
   e.accepted = true;

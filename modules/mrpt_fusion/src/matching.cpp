@@ -195,16 +195,21 @@ bool isEmpty(const MapFeatures& a, const MapFeatures& b) {
 }  // namespace
 
 MapFeatures computeFeatures(const octomap::OcTree& map, const MatchParams& params) {
-  MapFeatures f;
-  f.map = &map;
-  f.voxels = extractOccupiedVoxels(map);
-  f.occupied = VoxelBlocks(f.voxels.key);
+  MapFeatures f{MapVoxels(map), {}, {}};
   const auto kept = thinOut(f.voxels, params.voxel_spacing);
   f.matched.voxels = select(f.voxels, kept.index);
   f.matched.surfaces = computeSurfaces(f.matched.voxels, f.occupied, params.edges);
   f.matched.surfaces.weight = kept.weight;
-  f.edges = extractEdges(f.voxels, f.occupied, f.matched, params.edges);
+  f.edges = extractEdges(f.voxels, f.occupied, f.matched, edgeCandidates(f.matched, params),
+                         params.edges);
   return f;
+}
+
+std::vector<uint32_t> edgeCandidates(const SurfaceVoxels& matched, const MatchParams& params) {
+  const std::vector<float>& variation = matched.surfaces.variation;
+  return thinOut(matched.voxels, params.edge_spacing,
+                 [&](uint32_t i, uint32_t j) { return variation[i] > variation[j]; })
+      .index;
 }
 
 std::pair<MapFeatures, MapFeatures> computeFeatures(const octomap::OcTree& map_a,
@@ -271,6 +276,8 @@ std::vector<RankedPose> distinct(std::vector<RankedPose> all, const Eigen::Vecto
 MatchParams roughly(MatchParams params) {
   params.min_step_translation = std::max(params.min_step_translation, 0.01);
   params.min_step_rotation = std::max(params.min_step_rotation, 0.002);
+  constexpr unsigned kEnough = 15;
+  params.voxel_level.max_iterations = std::min(params.voxel_level.max_iterations, kEnough);
   params.solver.max_steps = 1;
   return params;
 }
@@ -303,8 +310,7 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
   for (const Eigen::Isometry3d& start : starts) {
     MatchResult refined;
     refined.T_a_b = start;
-    const Pairs pairs =
-        runLevel(few_level, params.voxel_level, twoVoxels(a, b), rough, refined, {});
+    const Pairs pairs = runLevel(few_level, rough.voxel_level, twoVoxels(a, b), rough, refined, {});
     if (pairs.size() >= MatchResult::kMinPairs)
       refined.covariance = few_level.covarianceAt(pairs, refined.T_a_b);
     const double reached = agreement(a, of_a, b, of_b, refined.T_a_b);
@@ -337,14 +343,14 @@ struct Testimony {
   double confirmed = 0, contradicted = 0;
 };
 
-Testimony testimonyOf(const MapFeatures& map, const Obstacles& obstacles, double resolution,
+Testimony testimonyOf(const MapVoxels& map, const Obstacles& obstacles, double resolution,
                       const Eigen::Isometry3d& T) {
   constexpr double kOtherSide = 0.05;  // of an obstacle seen from the same side
   const double before = kBeforeSurface * std::max(resolution, map.voxels.resolution);
   Testimony t;
   for (size_t i = 0; i < obstacles.centre.size(); i++) {
     const Eigen::Vector3d centre = obstacles.centre[i].cast<double>();
-    const Finding finding = findingAt(*map.map, map.occupied, T * centre);
+    const Finding finding = findingAt(map, T * centre);
     if (finding == Finding::Agrees) {
       const Eigen::Vector3d front = obstacles.front[i].cast<double>();
       const bool same_side = front.isZero(0) || isFree(*map.map, T * (centre + before * front));
@@ -374,7 +380,7 @@ Obstacles obstaclesOf(const octomap::OcTree& map, const SurfaceVoxels& voxels) {
   return obstacles;
 }
 
-double agreement(const MapFeatures& a, const Obstacles& of_a, const MapFeatures& b,
+double agreement(const MapVoxels& a, const Obstacles& of_a, const MapVoxels& b,
                  const Obstacles& of_b, const Eigen::Isometry3d& T_a_b) {
   constexpr double kTolerance = 0.03;
   const Testimony by_a = testimonyOf(a, of_b, b.voxels.resolution, T_a_b);

@@ -387,21 +387,22 @@ class PoseSearch {
 
   std::vector<Hypothesis> run() {
     std::vector<ScoreGrid> grids = {ScoreGrid(map_a_, a_, region_, finest_)};
-    constexpr double kLittleWork = 2e8, kMostWork = 2e9;
-    if (work(0, points_) <= kLittleWork)
-      return hypotheses(exhaustive(grids[0], 0, points_, params_.hypotheses, another()));
-    // By few points, more if there is time, at the finest level whose places are few enough, then
+    constexpr double kLittleWork = 5e7, kMostWork = 2e9;
+    // By few points, more if it is worth it, at the finest level whose places are few enough, then
     // down around the best.
-    alignFloors();
     Points few = someOf(points_, ScoreGrid::kMostSummed);
-    while (few.size() < points_.size() && 2 * work(0, few) <= kMostWork)
-      few = someOf(points_, 2 * few.size());
+    if (work(0, few) > kLittleWork) {
+      alignFloors();
+      while (few.size() < points_.size() && 2 * work(0, few) <= kMostWork)
+        few = someOf(points_, 2 * few.size());
+    }
     unsigned level = 0;
     while (work(level, few) > kMostWork && level < kMostLevels) {
       grids.push_back(grids.back().coarser());
       level++;
     }
-    std::vector<Place> places = exhaustive(grids[level], level, few, kKept, same(level));
+    const size_t kept = level > 0 ? kKept : std::min<size_t>(kKept, 32 * params_.hypotheses);
+    std::vector<Place> places = exhaustive(grids[level], level, few, kept, same(level));
     while (level-- > 0) places = refine(grids[level], level, few, places);
     return hypotheses(rescored(grids[0], places));
   }

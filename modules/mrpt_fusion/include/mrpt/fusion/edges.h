@@ -85,10 +85,12 @@ struct SurfaceVoxels {
  * Deterministic, whatever the number of threads.
  * \param[in] voxels All of the map's. \param[in] occupied The same, to walk on.
  * \param[in] pieces Some of them, spread evenly, whose normals eq. (5) compares: each stands for as
- * many of the voxels as its weight says, which follow each other. Of those at most one is an edge,
- * the one where the surface bends most. */
+ * many of the voxels as its weight says, which follow each other.
+ * \param[in] candidates Indices of the pieces to look in: of the voxels that one stands for at most
+ * one is an edge, the one where the surface bends most. */
 EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const VoxelBlocks& occupied,
-                        const SurfaceVoxels& pieces, const EdgeParams& params);
+                        const SurfaceVoxels& pieces, const std::vector<uint32_t>& candidates,
+                        const EdgeParams& params);
 /** \overload for all of a map's voxels. */
 EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const EdgeParams& params);
 

@@ -58,25 +58,33 @@ double overlapOf(size_t matches, size_t model_voxels, size_t scene_voxels);
  * 0.9 - Theta / 2 up to 0.6, then 0.6. The paper's Fig. 9: 0.7 at 0.4. */
 double acceptanceThreshold(double overlap);
 
+/** A map and its occupied voxels. */
+struct MapVoxels {
+  MapVoxels() = default;
+  explicit MapVoxels(const octomap::OcTree& of)
+      : map(&of), voxels(extractOccupiedVoxels(of)), occupied(voxels.key) {}
+
+  const octomap::OcTree* map = nullptr;  ///< not owned, must outlive this
+  OccupiedVoxels voxels;                 ///< all
+  VoxelBlocks occupied;                  ///< the same, by their place
+};
+
 enum class Finding : uint8_t { Unknown, Agrees, Conflicts };
 
 /** What a map says of an obstacle at a point (m, the map's frame). Only a place seen free with
  * nothing occupied around it contradicts: half a voxel of quantisation in each map is no
- * contradiction. \param[in] occupied All of the map's occupied voxels. */
-Finding findingAt(const octomap::OcTree& map, const VoxelBlocks& occupied,
-                  const Eigen::Vector3d& p);
+ * contradiction. */
+Finding findingAt(const MapVoxels& map, const Eigen::Vector3d& p);
 
-/** Looks each occupied voxel of the scene up in the model, one way. \param[in] occupied All of the
- * model's occupied voxels. O(voxels of the scene). */
-FreeSpaceCheck checkFreeSpace(const octomap::OcTree& model, const VoxelBlocks& occupied,
-                              const OccupiedVoxels& scene, const Eigen::Isometry3d& T_model_scene);
+/** Looks each occupied voxel of the scene up in the model, one way. O(voxels of the scene). */
+FreeSpaceCheck checkFreeSpace(const MapVoxels& model, const OccupiedVoxels& scene,
+                              const Eigen::Isometry3d& T_model_scene);
 
 /** Eqs. (23)-(25) on the pairs of a match, joined by what they ignore: a wrong pose can lay floor
  * on floor, but it puts walls where the other robot has seen free space. \param[in] pairs Of voxels
  * at T_a_b, gated as in matching. \param[in] runner_up See MatchResult::runnerUp().
  */
-Evaluation evaluateMatch(const octomap::OcTree& map_a, const OccupiedVoxels& a,
-                         const octomap::OcTree& map_b, const OccupiedVoxels& b, const Pairs& pairs,
+Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pairs,
                          const Eigen::Isometry3d& T_a_b, const EvaluationParams& params,
                          double runner_up = 0);
 

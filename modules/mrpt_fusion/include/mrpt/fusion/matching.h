@@ -3,6 +3,7 @@
 
 #include <mrpt/fusion/association.h>
 #include <mrpt/fusion/edges.h>
+#include <mrpt/fusion/evaluation.h>
 #include <mrpt/fusion/optimization.h>
 #include <mrpt/fusion/search.h>
 #include <mrpt/fusion/voxels.h>
@@ -19,14 +20,13 @@ namespace mrpt::fusion {
 struct MatchParams;
 
 /** What matching needs of a map; computed once per map. */
-struct MapFeatures {
-  const octomap::OcTree* map = nullptr;  ///< not owned, must outlive the features
-  OccupiedVoxels voxels;                 ///< all
-  VoxelBlocks occupied;                  ///< the same, by their place
-  SurfaceVoxels matched;                 ///< those that the levels work on
-  EdgeVoxels edges;                      ///< at most one for each of these
+struct MapFeatures : MapVoxels {
+  SurfaceVoxels matched;  ///< the voxels that the levels work on
+  EdgeVoxels edges;
 };
 MapFeatures computeFeatures(const octomap::OcTree& map, const MatchParams& params);
+/** Indices of the matched voxels in which computeFeatures() looks for edges. */
+std::vector<uint32_t> edgeCandidates(const SurfaceVoxels& matched, const MatchParams& params);
 /** \overload for two maps at once. */
 std::pair<MapFeatures, MapFeatures> computeFeatures(const octomap::OcTree& map_a,
                                                     const octomap::OcTree& map_b,
@@ -51,6 +51,10 @@ struct MatchParams {
   /** The levels work on one voxel in each cube of the octree that is at least this wide, the most
    * likely occupied one, which counts for all of them (not in the paper, which takes all: 0), m. */
   double voxel_spacing = 0.2;
+  /** Edges are looked for where the surface bends most in each cube of the octree that is at least
+   * this wide (not in the paper; 0: everywhere), m. They tell one of the starts of a search well
+   * enough; the edge level alone needs all that there are. */
+  double edge_spacing = 0.4;
   SearchParams search;
   WeightParams weights;
   /** Unit of eq. (4) beside eq. (6) at the edge level. */
@@ -62,7 +66,7 @@ struct MatchParams {
   /** Few steps: the pairs change before they have converged. */
   SolverParams solver{2, 1e-5, 1e-5};
   /** A level has converged when an iteration moves the pose by less than both. */
-  double min_step_translation = 1e-4;  ///< m
+  double min_step_translation = 1e-3;  ///< m
   double min_step_rotation = 1e-4;     ///< rad
 };
 
@@ -155,7 +159,7 @@ Obstacles obstaclesOf(const octomap::OcTree& map, const SurfaceVoxels& voxels);
  * one may well have the larger overlap. An obstacle is confirmed in full by one that is seen from
  * the same side, else in part: a floor on a ceiling, or two rooms back to back, contradict nothing.
  */
-double agreement(const MapFeatures& a, const Obstacles& of_a, const MapFeatures& b,
+double agreement(const MapVoxels& a, const Obstacles& of_a, const MapVoxels& b,
                  const Obstacles& of_b, const Eigen::Isometry3d& T_a_b);
 
 /** The voxel pairs at a given pose, weighted and gated as the voxel level begins: what
