@@ -99,6 +99,7 @@ Json matchJson(const CProbabilisticMapMatching::TReturnInfo& info) {
           {"mean_mahalanobis", e.mean_mahalanobis},
           {"log_likelihood", e.log_likelihood},
           {"runner_up", e.runner_up},
+          {"probability", e.probability},
           {"ambiguous", e.is_ambiguous},
           {"hypotheses", hypotheses},
           {"free_space_conflict_ratio", e.free_space.conflictRatio()},

@@ -12,6 +12,7 @@
 #include <functional>
 #include <limits>
 #include <ostream>
+#include <random>
 #include <stdexcept>
 #include <utility>
 
@@ -252,6 +253,63 @@ void alignFromAnywhere(const MapPair& pair, const Effort& effort, std::ostream& 
                start.index, error.centre, degrees(error.angle), cpu, verdictText(result.accepted));
     }
   }
+}
+
+namespace {
+
+/** Parts of both maps, on either side of two parallel vertical planes: A's part ends at one, B's
+ * begins at the other. */
+MapPair randomParts(const MapPair& pair, std::mt19937& generator) {
+  constexpr double kLeastKept = 0.55;  // of a map's voxels
+  std::uniform_real_distribution<double> heading(-M_PI, M_PI), kept(kLeastKept, 1);
+  const double yaw = heading(generator);
+  const Eigen::Vector3d d(std::cos(yaw), std::sin(yaw), 0);  // in A's frame
+  const auto quantile = [&](const octomap::OcTree& map, const Eigen::Isometry3d& T, double share) {
+    std::vector<double> along;
+    for (const auto& c : extractOccupiedVoxels(map).centre)
+      along.push_back(d.dot(T * c.cast<double>()));
+    const auto at =
+        along.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(along.size() - 1));
+    std::nth_element(along.begin(), at, along.end());
+    return *at;
+  };
+  const double end = quantile(*pair.a, Eigen::Isometry3d::Identity(), kept(generator));
+  const double begin = quantile(*pair.b, pair.T_a_b, 1 - kept(generator));
+  MapPair parts = pair;
+  parts.a = cropMap(*pair.a, -d, -end);
+  parts.b = cropMap(*pair.b, pair.T_a_b.linear().transpose() * d,
+                    begin - d.dot(pair.T_a_b.translation()));
+  return parts;
+}
+
+}  // namespace
+
+void judgeVerdicts(const MapPair& pair, const Effort& effort, std::ostream& csv) {
+  constexpr unsigned kParts = 30, kImages = 10;
+  writeRow(csv, "dataset,guess,overlap,case,error_m,error_deg,probability,verdict");
+  const auto judge = [&](const MapPair& of, bool has_truth, unsigned i) {
+    const double overlap = has_truth ? trueOverlap(of) : 0;
+    const auto write = [&](const char* method_name, const char* guess, const Start& start) {
+      const auto method = makeMethod(method_name);
+      method->prepare(of);
+      const Registration result = method->align(poseOf(start, of));
+      PoseError error = errorOf(result.T_a_b, of);
+      if (!has_truth) error.centre = std::numeric_limits<double>::infinity();
+      writeRow(csv, pair.name, guess, overlap, i, error.centre, degrees(error.angle),
+               result.probability, verdictText(result.accepted));
+    };
+    write("anywhere", "none", randomStarts(1, 20, M_PI, i).front());
+    write("default", "near", randomStarts(1, 1, mrpt::DEG2RAD(10.0), i).front());
+    write("default", "wrong", randomStarts(1, 20, M_PI, i).front());
+  };
+  std::mt19937 generator(4);
+  for (unsigned i = 0; i < kParts; i++) {
+    const MapPair parts = randomParts(pair, generator);
+    if (i % effort.stride == 0) judge(parts, true, i);
+  }
+  MapPair image = pair;
+  image.b = mirrored(*pair.b);
+  for (unsigned i = 0; i < kImages; i += effort.stride) judge(image, false, kParts + i);
 }
 
 void mergeByPolicy(const MapPair& pair, std::ostream& csv) {

@@ -35,6 +35,12 @@ void reduceOverlap(const MapPair& pair, const Effort& effort, std::ostream& csv)
  * parts that overlap less. Errors are of B's middle; times are of a whole match. */
 void alignFromAnywhere(const MapPair& pair, const Effort& effort, std::ostream& csv);
 
+/** Whether verdicts can be trusted, and what the probability of being right is worth: matches
+ * without a guess, from a near one and from a wrong one, of random parts of both maps, which overlap
+ * by anything from all to nothing, and of map A with the mirror image of B, where no pose is right
+ * (error: infinity). */
+void judgeVerdicts(const MapPair& pair, const Effort& effort, std::ostream& csv);
+
 /** Table V: each merging policy at the true pose, also against the pair's reference map. */
 void mergeByPolicy(const MapPair& pair, std::ostream& csv);
 

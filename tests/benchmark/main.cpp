@@ -54,6 +54,8 @@ int run(int argc, char** argv) {
        [&](const MapPair& pair, std::ostream& csv) { reduceOverlap(pair, effort, csv); }},
       {"anywhere",
        [&](const MapPair& pair, std::ostream& csv) { alignFromAnywhere(pair, effort, csv); }},
+      {"verdicts",
+       [&](const MapPair& pair, std::ostream& csv) { judgeVerdicts(pair, effort, csv); }},
       {"merging", mergeByPolicy},
       {"ablation", [&](const MapPair& pair, std::ostream& csv) { ablate(pair, effort, csv); }},
       {"speed", [&](const MapPair& pair, std::ostream& csv) { compareSpeed(pair, effort, csv); }},

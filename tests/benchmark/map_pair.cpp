@@ -9,6 +9,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <random>
 #include <stdexcept>
 
@@ -126,6 +127,26 @@ std::shared_ptr<const octomap::OcTree> cropMap(const octomap::OcTree& map,
   CropVisitor visitor(map, direction, offset);
   mrpt::maps::buildOcTree(*part, CropVisitor::State{map.getRoot()}, visitor);
   return part;
+}
+
+std::shared_ptr<const octomap::OcTree> mirrored(const octomap::OcTree& map) {
+  auto image = std::make_shared<octomap::OcTree>(map.getResolution());
+  mrpt::maps::OcTreeAccess::setSensorModel(*image, mrpt::maps::OcTreeAccess::sensorModel(map));
+  const auto last = std::numeric_limits<octomap::key_type>::max();
+  for (auto leaf = map.begin_leafs(); leaf != map.end_leafs(); ++leaf) {
+    const octomap::OcTreeKey low = leaf.getIndexKey();
+    const int side = 1 << (map.getTreeDepth() - leaf.getDepth());
+    for (int x = 0; x < side; x++)
+      for (int y = 0; y < side; y++)
+        for (int z = 0; z < side; z++)
+          image->setNodeValue(octomap::OcTreeKey(static_cast<octomap::key_type>(last - low[0] - x),
+                                                 static_cast<octomap::key_type>(low[1] + y),
+                                                 static_cast<octomap::key_type>(low[2] + z)),
+                              leaf->getLogOdds(), true);
+  }
+  image->updateInnerOccupancy();
+  image->prune();
+  return image;
 }
 
 double trueOverlap(const MapPair& pair) {

@@ -57,6 +57,9 @@ PoseError errorOf(const Eigen::Isometry3d& T_a_b, const MapPair& pair);
 std::shared_ptr<const octomap::OcTree> cropMap(const octomap::OcTree& map,
                                                const Eigen::Vector3d& direction, double offset);
 
+/** The mirror image of a map (x is -x), known space and all. */
+std::shared_ptr<const octomap::OcTree> mirrored(const octomap::OcTree& map);
+
 /** Mean share of the maps' occupied voxels that have an occupied voxel of the other within one
  * voxel (at least 0.1 m) at the true pose. */
 double trueOverlap(const MapPair& pair);

@@ -21,6 +21,7 @@ struct Registration {
   Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();
   unsigned iterations = 0;
   std::optional<bool> accepted;  ///< the method's own verdict, if it gives one
+  double probability = 0;        ///< of being right, as the method has it
 };
 
 class Method {

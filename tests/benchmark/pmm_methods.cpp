@@ -20,7 +20,8 @@ class Matching : public Method {
     const MatchResult result = matchMaps(a_, b_, start, settings_.match);
     const Evaluation evaluation =
         evaluateMatch(a_, b_, result.pairs, result.T_a_b, settings_.evaluation, result.runnerUp());
-    return {result.T_a_b, static_cast<unsigned>(result.iterations.size()), evaluation.accepted};
+    return {result.T_a_b, static_cast<unsigned>(result.iterations.size()), evaluation.accepted,
+            evaluation.probability};
   }
 
  private:

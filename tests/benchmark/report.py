@@ -33,11 +33,12 @@ COLUMNS = {
     "edge_iterations": "dataset method start iteration error_m error_deg mse_m2",
     "overlap": "dataset method cut_m overlap start error_m error_deg verdict",
     "anywhere": "dataset band overlap start error_m error_deg cpu_s verdict",
+    "verdicts": "dataset guess overlap case error_m error_deg probability verdict",
     "merging": "dataset policy size entropy_occupied entropy_known log_loss brier f1"
                " building_log_loss building_brier building_f1",
     "ablation": "dataset variant starts success strict median_m median_deg median_cpu_s",
 }
-TEXT_COLUMNS = {"dataset", "method", "band", "start", "verdict", "truth", "policy", "variant"}
+TEXT_COLUMNS = {"dataset", "method", "band", "guess", "case", "start", "verdict", "truth", "policy", "variant"}
 NAMES = {
     "icp": "PCL ICP", "icp_plane": "PCL point-to-plane", "gicp": "PCL GICP", "ndt": "PCL NDT",
     "first_level": "PMM, first level", "pmm_paper": "PMM as published",
@@ -240,6 +241,17 @@ def ratio_to_ours(results):
     return ratio
 
 
+def by_probability(rows):
+    """The rows in order of their probability, each with the range that it lies in."""
+    bounds = [0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.9, 0.95, 1]
+
+    def named(row):
+        i = min(np.searchsorted(bounds, row["probability"], "right"), len(bounds) - 1)
+        return {**row, "dataset": "all", "probability_range": f"{bounds[i - 1]:g} to {bounds[i]:g}"}
+
+    return [named(row) for row in sorted(rows, key=lambda row: row["probability"])]
+
+
 def simple_tables(results):
     """The tables that summarise rows: by name, (caption, rows, keys, columns)."""
     starts, by_method, errors = results["starts"], ["dataset", "method"], ("error_m", "error_deg")
@@ -293,6 +305,17 @@ def simple_tables(results):
                 (LOOSE_TITLE, good(LOOSE, *errors)), (STRICT_TITLE, good(STRICT, *errors)),
                 ("Median, m", typical("error_m", ".3f")), ("Median, °", typical("error_deg", ".2f")),
                 ("CPU, s", typical("cpu_s", ".2f")), *verdicts(*errors)]),
+        "verdicts": (
+            "Verdicts on matches of random parts of both maps and of a mirror image.",
+            results["verdicts"], ["dataset", "guess"], [
+                ("Matches", lambda rows: number(len(rows), ".0f")),
+                ("Right", good(LOOSE, *errors)), *verdicts(*errors)]),
+        "reliability": (
+            "What the probability of being right is worth: matches by what it was, and how many"
+            " of them were right.", by_probability(results["verdicts"]), ["probability_range"], [
+                ("Matches", lambda rows: number(len(rows), ".0f")),
+                ("Mean probability", typical("probability", ".3f", np.mean)),
+                ("Right", good(LOOSE, *errors))]),
         "merging": (
             "Table V, and the merged maps against the truth; entropies and log-loss in nats.",
             results["merging"], ["dataset", "policy"], [

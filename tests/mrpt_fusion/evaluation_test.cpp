@@ -108,12 +108,19 @@ TEST(FreeSpace, IsLookedUpWhereThePosePutsTheObstacle) {
 
 // ---------------------------------------------------------------- the verdict
 
+/** Each of the other criteria is tested by itself. */
+EvaluationParams otherThanProbability() {
+  EvaluationParams params;
+  params.min_probability = 0;
+  return params;
+}
+
 /** Two maps, hand-made pairs of their voxels, and what evaluateMatch() says of them. */
 struct Case {
   std::unique_ptr<octomap::OcTree> map_a, map_b;
   MapVoxels a{*map_a}, b{*map_b};
   Eigen::Isometry3d T_a_b = kIdentity;
-  EvaluationParams params = {};
+  EvaluationParams params = otherThanProbability();
 
   Evaluation with(const Pairs& pairs) const { return evaluateMatch(a, b, pairs, T_a_b, params); }
   /** The i-th of a with the i-th of b, so many at a distance, the rest at none. */
@@ -185,6 +192,30 @@ TEST(EvaluateMatch, ASecondPoseNearlyAsGoodMakesItAmbiguous) {
   EXPECT_TRUE(judged(0.51).is_ambiguous);
   EXPECT_EQ(judged(0.51).runner_up, 0.51);
   EXPECT_EQ(judged(0.51).reasons.size(), judged(0).reasons.size() + 1);
+}
+
+TEST(EvaluateMatch, IsRejectedBelowTheLeastProbability) {
+  Case c{wall(), wall()};
+  const Evaluation e = c.withPairs(100, 0, 0);
+  EXPECT_EQ(e.probability, probabilityOfBeingRight(1, 0, 0, 1));
+  c.params.min_probability = e.probability;
+  EXPECT_TRUE(c.withPairs(100, 0, 0).accepted);
+  c.params.min_probability = std::nextafter(e.probability, 1.0);
+  EXPECT_FALSE(c.withPairs(100, 0, 0).accepted);
+  EXPECT_NE(reasonsOf(c.withPairs(100, 0, 0)).find("right with a probability of"),
+            std::string::npos);
+}
+
+TEST(EvaluateMatch, ProbabilityFallsWithWhatSpeaksAgainstThePose) {
+  const double good = probabilityOfBeingRight(0.5, 0.01, 0.01, 0.96);
+  EXPECT_GT(good, 0.95);
+  EXPECT_LT(probabilityOfBeingRight(0.05, 0.01, 0.01, 0.96), good);
+  EXPECT_LT(probabilityOfBeingRight(0.5, 0.10, 0.01, 0.96), good);
+  EXPECT_LT(probabilityOfBeingRight(0.5, 0.01, 0.60, 0.96), good);
+  EXPECT_LT(probabilityOfBeingRight(0.5, 0.01, 0.01, 0.80), good);
+  // A row of pillars off: all but as good, beside as good a shift by another.
+  EXPECT_LT(probabilityOfBeingRight(0.8, 0.036, 0.6, 0.955), 0.8);
+  EXPECT_GE(probabilityOfBeingRight(0, 1, 1, 0), 0);
 }
 
 TEST(EvaluateMatch, TooLittleOverlapIsRejectedHoweverGoodItLooks) {

@@ -78,6 +78,7 @@ std::vector<Number> numbersOf(Options& o) {
           {"max_free_conflict", &o.evaluation.max_free_conflict, 0.4},
           {"min_overlap", &o.evaluation.min_overlap, 0.05},
           {"max_runner_up", &o.evaluation.max_runner_up, 0.6},
+          {"min_probability", &o.evaluation.min_probability, 0.7},
           {"kl_threshold", &o.merge.kl_threshold, 0.123456}};
 }
 std::vector<Count> countsOf(Options& o) {
@@ -273,7 +274,7 @@ TEST_F(MapMatching, FindsWhatTheCoreFindsAndTellsHow) {
   EXPECT_EQ(info.edges_m1, maps().a.edges.size());
   EXPECT_EQ(info.edges_m2, maps().b.edges.size());
   EXPECT_EQ(info.evaluation.pairs, r.pairs.size());
-  EXPECT_EQ(info.evaluation.reasons.size(), 3);
+  EXPECT_EQ(info.evaluation.reasons.size(), 4);
   EXPECT_GT(info.seconds_features, 0);
   EXPECT_GT(info.seconds_matching, 0);
   EXPECT_GT(info.seconds_evaluation, 0);

@@ -106,6 +106,8 @@ std::vector<Entry> entriesOf(CProbabilisticMapMatching::TConfigParams& o) {
   add("max_free_conflict", v.max_free_conflict, 0, 1,
       "Largest share of obstacles that lie in the other map's free space; 1: not tested");
   add("min_overlap", v.min_overlap, 0, 1, "Least overlap, eq. (25), to judge by");
+  add("min_probability", v.min_probability, 0, 1,
+      "Least probability of being right, of the four measures above; 0: not tested");
   add("max_runner_up", v.max_runner_up, 0, 1,
       "Largest agreement of the second best pose over that of the best; 1: not tested");
   add("kl_threshold", o.merge.kl_threshold, 0, kInf,

@@ -65,23 +65,23 @@ struct VoxelAssociation::Impl {
 
   const OccupiedVoxels& model;
   VoxelSearch search;
-  std::vector<uint32_t> last;  // the partner of each scene voxel: likely to be it again
 };
 
 VoxelAssociation::VoxelAssociation(const OccupiedVoxels& model) : impl_(new Impl(model)) {}
 VoxelAssociation::~VoxelAssociation() = default;
 VoxelAssociation::VoxelAssociation(VoxelAssociation&&) noexcept = default;
 
+void VoxelAssociation::prepare(double gate) { impl_->search.prepare(gate); }
+
 Pairs VoxelAssociation::associate(const OccupiedVoxels& scene, const Eigen::Isometry3d& T_a_b,
-                                  const DescriptorWeights& weights, double gate,
-                                  const Pairs* among) {
+                                  const DescriptorWeights& weights, double gate, const Pairs* among,
+                                  Partners* last) {
   const Eigen::Isometry3f T = T_a_b.cast<float>();
   const auto gate2 = static_cast<float>(gate * gate);
   const auto w_o = static_cast<float>(weights.omega_o);
   const OccupiedVoxels& model = impl_->model;
-  std::vector<uint32_t>& last = impl_->last;
-  impl_->search.prepare(gate);
-  if (last.size() != scene.size()) last.assign(scene.size(), VoxelSearch::kNone);
+  prepare(gate);
+  if (last && last->size() != scene.size()) last->assign(scene.size(), VoxelSearch::kNone);
   return associateEach(scene.size(), among, [&](uint32_t i) {
     const Eigen::Vector3f p = T * scene.centre[i];
     const float probability = scene.probability[i];
@@ -90,15 +90,14 @@ Pairs VoxelAssociation::associate(const OccupiedVoxels& scene, const Eigen::Isom
       return (model.centre[m] - p).squaredNorm() + w_o * dp * dp;
     };
     VoxelSearch::Nearest best{VoxelSearch::kNone, gate2};
-    uint32_t& partner = last[i];
-    if (partner != VoxelSearch::kNone) {
-      const float again = distance(partner);
-      if (again < gate2) best = {partner, again};
+    if (last && (*last)[i] != VoxelSearch::kNone) {
+      const float again = distance((*last)[i]);
+      if (again < gate2) best = {(*last)[i], again};
     }
     best = impl_->search.nearest(p, best, distance);
-    partner = best.index;
-    if (partner == VoxelSearch::kNone) return Pair{kUnpaired, i, 0};
-    return Pair{partner, i, (model.centre[partner] - p).squaredNorm()};
+    if (last) (*last)[i] = best.index;
+    if (best.index == VoxelSearch::kNone) return Pair{kUnpaired, i, 0};
+    return Pair{best.index, i, (model.centre[best.index] - p).squaredNorm()};
   });
 }
 

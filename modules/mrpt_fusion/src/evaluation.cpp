@@ -30,6 +30,15 @@ double overlapOf(size_t matches, size_t model_voxels, size_t scene_voxels) {
 
 double acceptanceThreshold(double overlap) { return std::clamp(0.9 - overlap / 2, 0.6, 0.8); }
 
+double probabilityOfBeingRight(double overlap, double conflict_ratio, double runner_up,
+                               double inlier_ratio) {
+  constexpr double kLeastOverlap = 1e-3, kNoRival = 0.02;
+  const double log_odds = -20.81 + 1.584 * std::log(std::max(overlap, kLeastOverlap)) -
+                          30.24 * conflict_ratio - 1.493 * std::log(runner_up + kNoRival) +
+                          22.72 * inlier_ratio;
+  return 1 / (1 + std::exp(-log_odds));
+}
+
 Finding findingAt(const MapVoxels& map, const Eigen::Vector3d& p) {
   static const VoxelBlocks::Ball beside(1.8);  // the 26 voxels around one
   octomap::OcTreeKey key;
@@ -98,6 +107,12 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
           "the second best pose agrees " + percent(runner_up) + " as well, at most " +
               percent(params.max_runner_up) + " may",
           "ambiguous: the second best pose agrees " + percent(runner_up) + " as well");
+  e.probability = probabilityOfBeingRight(e.overlap, conflict, runner_up, e.inlier_ratio);
+  if (params.min_probability > 0)
+    judge(e.probability >= params.min_probability,
+          "the pose is right with a probability of " + percent(e.probability),
+          "the pose is right with a probability of " + percent(e.probability) + ", below " +
+              percent(params.min_probability));
   return e;
 }
 

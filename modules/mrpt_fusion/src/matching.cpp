@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "parallel.h"
+
 namespace mrpt::fusion {
 namespace {
 
@@ -112,8 +114,9 @@ LevelProblem voxelPairing(const OccupiedVoxels& a, const OccupiedVoxels& b,
   LevelProblem problem;
   problem.level = Level::Voxel;
   problem.scene_size = b.size();
-  problem.associate = [&](const auto& T, const auto& w, double gate, const Pairs* among) {
-    return association.associate(b, T, w, gate, among);
+  problem.associate = [&, last = VoxelAssociation::Partners()](
+                          const auto& T, const auto& w, double gate, const Pairs* among) mutable {
+    return association.associate(b, T, w, gate, among, &last);
   };
   problem.weights = [&params, H_m](double mse) {
     return descriptorWeights(mse, H_m, 0, params.weights);
@@ -242,15 +245,14 @@ Thinned thinOut(const OccupiedVoxels& voxels, double spacing) {
 namespace {
 
 /** Few voxels, spread evenly, to compare poses with; those that have a normal first. */
-SurfaceVoxels fewOf(const SurfaceVoxels& all, double spacing) {
-  constexpr size_t kEnough = 1000;
+SurfaceVoxels fewOf(const SurfaceVoxels& all, double spacing, size_t enough) {
   const auto& [voxels, surfaces] = all;
   const auto kept = thinOut(voxels, spacing, [&](uint32_t i, uint32_t j) {
     const bool flat_i = !surfaces.normal[i].isZero(), flat_j = !surfaces.normal[j].isZero();
     return flat_i != flat_j ? flat_i : voxels.probability[i] > voxels.probability[j];
   });
   std::vector<uint32_t> few;
-  const size_t stride = (kept.index.size() + kEnough - 1) / kEnough;
+  const size_t stride = (kept.index.size() + enough - 1) / enough;
   for (size_t k = 0; k < kept.index.size(); k += stride) few.push_back(kept.index[k]);
   return {select(voxels, few), select(surfaces, few)};
 }
@@ -272,15 +274,60 @@ std::vector<RankedPose> distinct(std::vector<RankedPose> all, const Eigen::Vecto
   return best;
 }
 
-/** Poses are compared before they are known better than this. */
-MatchParams roughly(MatchParams params) {
-  params.min_step_translation = std::max(params.min_step_translation, 0.01);
-  params.min_step_rotation = std::max(params.min_step_rotation, 0.002);
-  constexpr unsigned kEnough = 15;
-  params.voxel_level.max_iterations = std::min(params.voxel_level.max_iterations, kEnough);
-  params.solver.max_steps = 1;
-  return params;
-}
+/** Compares poses by some voxels of each map: refines them on these, and asks how well the maps
+ * agree there. */
+class PoseComparison {
+ public:
+  /** \param[in] voxels So many of each map. \param[in] association Of a's matched voxels. */
+  PoseComparison(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& association,
+                 const MatchParams& params, size_t voxels)
+      : a_(a),
+        b_(b),
+        association_(association),
+        params_(roughly(params)),
+        few_b_(fewOf(b.matched, params.search.cell, voxels)),
+        of_a_(obstaclesOf(*a.map, fewOf(a.matched, params.search.cell, voxels))),
+        of_b_(obstaclesOf(*b.map, few_b_)) {
+    association.prepare(params.voxel_level.gate);
+  }
+
+  const SurfaceVoxels& sceneVoxels() const { return few_b_; }
+
+  /** What the starts come to, best first; of those that come to the same place the best. */
+  std::vector<RankedPose> ranked(const std::vector<Eigen::Isometry3d>& starts) const {
+    std::vector<RankedPose> reached(starts.size());
+    forEachIndex(starts.size(), 1, [&](size_t i) { reached[i] = refined(starts[i]); });
+    return distinct(std::move(reached), meanOf(few_b_.voxels.centre));
+  }
+
+  /** Poses are compared before they are known better than this. */
+  static MatchParams roughly(MatchParams params) {
+    constexpr unsigned kEnough = 15;
+    params.voxel_level.max_iterations = std::min(params.voxel_level.max_iterations, kEnough);
+    params.min_step_translation = std::max(params.min_step_translation, 0.01);
+    params.min_step_rotation = std::max(params.min_step_rotation, 0.002);
+    params.solver.max_steps = 1;
+    return params;
+  }
+
+ private:
+  RankedPose refined(const Eigen::Isometry3d& start) const {
+    const LevelProblem level = voxelLevel(a_.matched, few_b_, association_, params_);
+    MatchResult result;
+    result.T_a_b = start;
+    const Pairs pairs =
+        runLevel(level, params_.voxel_level, twoVoxels(a_, b_), params_, result, {});
+    if (pairs.size() >= MatchResult::kMinPairs)
+      result.covariance = level.covarianceAt(pairs, result.T_a_b);
+    return {result.T_a_b, agreement(a_, of_a_, b_, of_b_, result.T_a_b), result.covariance};
+  }
+
+  const MapFeatures &a_, &b_;
+  VoxelAssociation& association_;
+  const MatchParams params_;
+  const SurfaceVoxels few_b_;
+  const Obstacles of_a_, of_b_;
+};
 
 }  // namespace
 
@@ -289,36 +336,28 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
   if (isEmpty(a, b) || params.search.translation <= 0)
     return matchTwoLevel(a, b, T_a_b, params, on_iteration);
 
-  const MatchParams rough = roughly(params);
-  const SurfaceVoxels few_a = fewOf(a.matched, params.search.cell);
-  const SurfaceVoxels few_b = fewOf(b.matched, params.search.cell);
-  const Obstacles of_a = obstaclesOf(*a.map, few_a), of_b = obstaclesOf(*b.map, few_b);
-  MatchResult result, from_edges;
-  from_edges.T_a_b = T_a_b;
+  // All starts by few voxels first, if there are many: those are a quarter of the work.
+  constexpr size_t kFew = 250, kMany = 1000, kMostByMany = 24;
+  VoxelAssociation association(a.matched.voxels);
+  const PoseComparison by_many(a, b, association, params, kMany);
+  MatchResult result;
+  result.T_a_b = T_a_b;
   std::vector<Eigen::Isometry3d> starts;
   if (!params.search.isEverywhere()) {
-    matchEdges(a, b, rough, from_edges, on_iteration);
-    starts.push_back(from_edges.T_a_b);
+    matchEdges(a, b, PoseComparison::roughly(params), result, on_iteration);
+    starts.push_back(result.T_a_b);
   }
-  for (const Hypothesis& h :
-       searchAround(*a.map, a.voxels, a.matched.surfaces, few_b, T_a_b, params.search))
+  for (const Hypothesis& h : searchAround(*a.map, a.voxels, a.matched.surfaces,
+                                          by_many.sceneVoxels(), T_a_b, params.search))
     starts.push_back(h.T_a_b);
   if (starts.empty()) starts.push_back(T_a_b);
-
-  VoxelAssociation association(a.matched.voxels);
-  const LevelProblem few_level = voxelLevel(a.matched, few_b, association, params);
-  for (const Eigen::Isometry3d& start : starts) {
-    MatchResult refined;
-    refined.T_a_b = start;
-    const Pairs pairs = runLevel(few_level, rough.voxel_level, twoVoxels(a, b), rough, refined, {});
-    if (pairs.size() >= MatchResult::kMinPairs)
-      refined.covariance = few_level.covarianceAt(pairs, refined.T_a_b);
-    const double reached = agreement(a, of_a, b, of_b, refined.T_a_b);
-    result.hypotheses.push_back({refined.T_a_b, reached, refined.covariance});
+  if (starts.size() > kMostByMany) {
+    const auto best = PoseComparison(a, b, association, params, kFew).ranked(starts);
+    starts.clear();
+    for (size_t i = 0; i < std::min(best.size(), kMostByMany); i++) starts.push_back(best[i].T_a_b);
   }
-  result.hypotheses = distinct(std::move(result.hypotheses), meanOf(few_b.voxels.centre));
+  result.hypotheses = by_many.ranked(starts);
   result.T_a_b = result.hypotheses.front().T_a_b;
-  result.iterations = from_edges.iterations;
   const double final_gate = std::max(params.voxel_level.final_gate, twoVoxels(a, b));
   matchVoxels(a, b, association, std::min(params.voxel_level.gate, final_gate), params, result,
               on_iteration);
@@ -382,7 +421,7 @@ Obstacles obstaclesOf(const octomap::OcTree& map, const SurfaceVoxels& voxels) {
 
 double agreement(const MapVoxels& a, const Obstacles& of_a, const MapVoxels& b,
                  const Obstacles& of_b, const Eigen::Isometry3d& T_a_b) {
-  constexpr double kTolerance = 0.03;
+  constexpr double kTolerance = 0.02;
   const Testimony by_a = testimonyOf(a, of_b, b.voxels.resolution, T_a_b);
   const Testimony by_b = testimonyOf(b, of_a, a.voxels.resolution, T_a_b.inverse());
   const double confirmed = by_a.confirmed + by_b.confirmed;

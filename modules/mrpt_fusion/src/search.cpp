@@ -613,7 +613,7 @@ class PoseSearch {
 }  // namespace
 
 SearchParams everywhere(SearchParams params) {
-  constexpr unsigned kLeastHypotheses = 24;
+  constexpr unsigned kLeastHypotheses = 256;
   params.translation = params.height = params.yaw = std::numeric_limits<double>::infinity();
   params.hypotheses = std::max(params.hypotheses, kLeastHypotheses);
   return params;

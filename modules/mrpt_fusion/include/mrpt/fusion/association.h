@@ -53,18 +53,25 @@ DescriptorWeights descriptorWeights(double mse, double H_m, double lambda_tau,
                                     const WeightParams& params);
 
 /** Finds pairs by eq. (14): the 4-D descriptor {x, y, z, p}. Built once for a model, which must
- * outlive it; building is O(n), associating costs what lies within the pairs' distances, and less
- * for a scene that was associated before at a pose nearby. On all cores with the same result for
- * any number of them. One object is not to be used from two threads at once. The gate is on the
- * square root of the eq.'s distance, in metres (Table I). */
+ * outlive it; building is O(n), associating costs what lies within the pairs' distances. On all
+ * cores with the same result for any number of them. The gate is on the square root of the eq.'s
+ * distance, in metres (Table I). */
 class VoxelAssociation {
  public:
   explicit VoxelAssociation(const OccupiedVoxels& model);
   ~VoxelAssociation();
   VoxelAssociation(VoxelAssociation&&) noexcept;
 
+  /** Makes ready for gates up to this one: after it several threads may associate at once. */
+  void prepare(double gate);
+
+  /** Which model voxel each scene voxel was paired with; empty at first. */
+  using Partners = std::vector<uint32_t>;
+  /** \param[in] among The pairs whose scene voxels to pair; null: all.
+   * \param[in,out] last Of the same scene at a pose nearby: saves time, changes nothing. */
   Pairs associate(const OccupiedVoxels& scene, const Eigen::Isometry3d& T_a_b,
-                  const DescriptorWeights& weights, double gate, const Pairs* among = nullptr);
+                  const DescriptorWeights& weights, double gate, const Pairs* among = nullptr,
+                  Partners* last = nullptr);
 
  private:
   struct Impl;

@@ -20,6 +20,7 @@ struct EvaluationParams {
   double min_overlap = 0.02;        ///< least overlap; below it there is nothing to judge by
   /** Largest agreement of another pose, as a share of that of the pose found. */
   double max_runner_up = 0.75;
+  double min_probability = 0.8;  ///< of being right, see probabilityOfBeingRight()
 };
 
 /** Voxels that one map has occupied, at their place in the other map. */
@@ -43,6 +44,7 @@ struct Evaluation {
   FreeSpaceCheck free_space;    ///< both directions together
   double runner_up = 0;         ///< agreement of the second best pose over that of this one
   bool is_ambiguous = false;    ///< the second best pose is nearly as good
+  double probability = 0;       ///< that the pose is right, [0,1]
   bool accepted = false;
   std::vector<std::string> reasons;  ///< for the verdict, one sentence each
 };
@@ -57,6 +59,14 @@ double overlapOf(size_t matches, size_t model_voxels, size_t scene_voxels);
 /** The least inlier ratio accepted at an overlap (the list after eq. 25): 0.8 up to Theta = 0.2,
  * 0.9 - Theta / 2 up to 0.6, then 0.6. The paper's Fig. 9: 0.7 at 0.4. */
 double acceptanceThreshold(double overlap);
+
+/** The probability that a pose is right (within 0.6 m and 6 deg; not in the paper, whose test a
+ * shift by one row of pillars passes), of what tells right ones from wrong ones: overlap, eq. (25),
+ * share of obstacles in the other map's free space, agreement of the second best pose over that of
+ * this one, and inlier ratio; all [0,1]. A logistic regression on matches of simulated buildings,
+ * cut to overlaps down to none, mirrored, or of two buildings: see doc/choices.md. */
+double probabilityOfBeingRight(double overlap, double conflict_ratio, double runner_up,
+                               double inlier_ratio);
 
 /** A map and its occupied voxels. */
 struct MapVoxels {

@@ -139,7 +139,8 @@ Thinned thinOut(const OccupiedVoxels& voxels, double spacing, IsBetter&& is_bett
 
 /** As matchTwoLevel(), but from several starts (not in the paper): the guess carried through the
  * edge level, and the best poses that searchAround() finds near it. Each is refined on a few
- * voxels; the one where the maps then agree best, see agreement(), goes through the voxel level.
+ * voxels, many of them on fewer first; the one where the maps then agree best, see agreement(),
+ * goes through the voxel level.
  * Without a search (params.search.translation = 0) it is matchTwoLevel(). */
 MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
                       const MatchParams& params, const OnIteration& on_iteration = {});
@@ -154,7 +155,7 @@ struct Obstacles {
 Obstacles obstaclesOf(const octomap::OcTree& map, const SurfaceVoxels& voxels);
 
 /** How well two maps agree at a pose, by some obstacles of each (not in the paper): how many of
- * them the other map confirms, times exp(-r / 0.03) where a share r of those that it can tell of
+ * them the other map confirms, times exp(-r / 0.02) where a share r of those that it can tell of
  * lies in its free space. The right pose has few of these (0 to 7 % on all our maps), while a wrong
  * one may well have the larger overlap. An obstacle is confirmed in full by one that is seen from
  * the same side, else in part: a floor on a ceiling, or two rooms back to back, contradict nothing.
