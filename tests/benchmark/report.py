@@ -247,7 +247,7 @@ def by_probability(rows):
 
     def named(row):
         i = min(np.searchsorted(bounds, row["probability"], "right"), len(bounds) - 1)
-        return {**row, "dataset": "all", "probability_range": f"{bounds[i - 1]:g} to {bounds[i]:g}"}
+        return {**row, "dataset": "all", "stated": f"{bounds[i - 1]:g} to {bounds[i]:g}"}
 
     return [named(row) for row in sorted(rows, key=lambda row: row["probability"])]
 
@@ -305,14 +305,14 @@ def simple_tables(results):
                 (LOOSE_TITLE, good(LOOSE, *errors)), (STRICT_TITLE, good(STRICT, *errors)),
                 ("Median, m", typical("error_m", ".3f")), ("Median, °", typical("error_deg", ".2f")),
                 ("CPU, s", typical("cpu_s", ".2f")), *verdicts(*errors)]),
-        "verdicts": (
+        "judged": (
             "Verdicts on matches of random parts of both maps and of a mirror image.",
             results["verdicts"], ["dataset", "guess"], [
                 ("Matches", lambda rows: number(len(rows), ".0f")),
                 ("Right", good(LOOSE, *errors)), *verdicts(*errors)]),
         "reliability": (
             "What the probability of being right is worth: matches by what it was, and how many"
-            " of them were right.", by_probability(results["verdicts"]), ["probability_range"], [
+            " of them were right.", by_probability(results["verdicts"]), ["stated"], [
                 ("Matches", lambda rows: number(len(rows), ".0f")),
                 ("Mean probability", typical("probability", ".3f", np.mean)),
                 ("Right", good(LOOSE, *errors))]),

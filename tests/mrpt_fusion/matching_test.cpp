@@ -8,8 +8,10 @@
 #include <mrpt/slam/CProbabilisticMapMatching.h>  // toEigen()
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <array>
 #include <map>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -95,6 +97,26 @@ TEST_F(Matching, WithoutSearchIsThatOfTheTwoLevels) {
   no_search.search.translation = 0;
   expectIdentical(matchMaps(maps().a, maps().b, guess, no_search),
                   matchTwoLevel(maps().a, maps().b, guess, params));
+}
+
+TEST_F(Matching, EdgeCandidatesAreTheMostBentPieceOfEachCube) {
+  const SurfaceVoxels& matched = fineMaps().a.matched;
+  MatchParams sparse = params;
+  sparse.edge_spacing = 0.4;
+  const auto cubeOf = [](const octomap::OcTreeKey& k) {
+    return std::make_tuple(k[0] >> 2, k[1] >> 2, k[2] >> 2);  // of 0.1 m voxels
+  };
+  std::map<std::tuple<int, int, int>, float> most_bent;
+  for (size_t k = 0; k < matched.voxels.size(); k++) {
+    float& most = most_bent.try_emplace(cubeOf(matched.voxels.key[k]), -1.F).first->second;
+    most = std::max(most, matched.surfaces.variation[k]);
+  }
+  const std::vector<uint32_t> candidates = edgeCandidates(matched, sparse);
+  ASSERT_EQ(candidates.size(), most_bent.size());
+  for (const uint32_t k : candidates)
+    EXPECT_EQ(matched.surfaces.variation[k], most_bent.at(cubeOf(matched.voxels.key[k])));
+  sparse.edge_spacing = 0;
+  EXPECT_EQ(edgeCandidates(matched, sparse).size(), matched.voxels.size());
 }
 
 TEST_F(Matching, ThinnedOutMapsHaveOneVoxelOfEachCube) {

@@ -77,6 +77,21 @@ TEST(BenchmarkCrop, KeepsWhatLiesBeyondThePlaneAndNothingElse) {
       }
 }
 
+TEST(BenchmarkPairs, TheMirrorImageHasEachVoxelOnTheOtherSide) {
+  const auto map = test::MapWriter()
+                       .box({0, 0, 0}, {15, 15, 15}, test::kFree)
+                       .box({5, 2, 0}, {5, 9, 15}, test::kOccupied)
+                       .pruned();
+  const auto image = mirrored(*map);
+  EXPECT_EQ(image->getNumLeafNodes(), map->getNumLeafNodes());
+  for (int x = 0; x < 16; x++)
+    for (int y = 0; y < 16; y++) {
+      const auto* node = image->search(test::keyOf({-1 - x, y, 3}));
+      ASSERT_TRUE(node) << x << " " << y;
+      ASSERT_EQ(node->getLogOdds(), map->search(test::keyOf({x, y, 3}))->getLogOdds());
+    }
+}
+
 TEST(BenchmarkTruth, OfAMapAgainstItselfIsAsSureAsTheMap) {
   const auto map = test::apartment();
   const TruthComparison same = compareWithTruth(*map, *map);
