@@ -633,6 +633,21 @@ def merging_scatter(judged):
     return figure
 
 
+def reliability_diagram(rows):
+    """How often poses are right, by the probability that their matches stated."""
+    figure, (axes,) = panels(1, height=3.2)
+    axes.plot([0, 1], [0, 1], color="k", lw=0.8, ls=":")
+    for of_range in group(by_probability(rows), "stated").values():
+        stated = np.mean(column(of_range, "probability"))
+        right = np.mean(within(of_range, LOOSE, "error_m", "error_deg"))
+        axes.plot(stated, right, "o", color="#0072b2", ms=7)
+        axes.annotate(f"{len(of_range)}", (stated, right), (6, -9), textcoords="offset points")
+    axes.set_xlabel("stated probability, mean of a range")
+    axes.set_ylabel("share of right poses")
+    figure.tight_layout()
+    return figure
+
+
 def figures(results):
     """Names and figures, one at a time."""
     for dataset, rows in group(results["edge_iterations"], "dataset").items():
@@ -649,6 +664,7 @@ def figures(results):
     yield "fig15", inlier_curves(results)
     for dataset, rows in group(results["starts"], "dataset").items():
         yield f"fig_basin_{dataset}", basin(dataset, rows)
+    yield "fig_reliability", reliability_diagram(results["verdicts"])
     yield "fig_time", time_bars(results)
     judged = [row for row in results["merging"] if not np.isnan(row["log_loss"])]
     if judged:
