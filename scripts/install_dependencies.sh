@@ -9,7 +9,7 @@ packages=(
   cmake g++ make
   libmrpt-maps-dev libmrpt-slam-dev # bring mrpt-obs, -opengl, -io..., Eigen and nanoflann
   liboctomap-dev                    # also holds the real building that the demo uses
-  libeigen3-dev libtbb-dev zlib1g-dev
+  libeigen3-dev libtbb-dev zlib1g-dev liblzma-dev
   libcli11-dev nlohmann-json3-dev
   libgtest-dev
   mrpt-apps mrpt-common             # tests: rawlog-edit, observations2map, sample data

@@ -2,15 +2,18 @@
 #include "commands.h"
 
 #include <mrpt/config/CConfigFile.h>
+#include <mrpt/maps/CEdgeVoxelMap.h>
 #include <mrpt/maps/error_text.h>
 #include <mrpt/maps/map_files.h>
 #include <mrpt/maps/octree_io.h>
 #include <mrpt/maps/octree_resampling.h>
 #include <mrpt/slam/CProbabilisticMapMatching.h>
+#include <mrpt/slam/map_fusion.h>
 #include <mrpt/system/CTicTac.h>
 
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -21,22 +24,47 @@
 #include "report.h"
 #include "top_view.h"
 
+using mrpt::maps::CEdgeVoxelMap;
+using mrpt::maps::CMetricMap;
 using mrpt::maps::CProbOctoMap;
+using mrpt::obs::CObservationLocalMap;
 using mrpt::poses::CPose3D;
 using mrpt::slam::CProbabilisticMapMatching;
-using MapPtr = std::shared_ptr<const CProbOctoMap>;
 
 namespace {
 
 constexpr const char* kMatchingSection = "ProbabilisticMapMatching";
+
+/** A map to work on: a CProbOctoMap or a CEdgeVoxelMap. */
+struct LoadedMap {
+  CMetricMap::ConstPtr map;
+  std::shared_ptr<const octomap::OcTree> octree;  ///< of it, or of its edges
+};
+
+LoadedMap workable(const CMetricMap::ConstPtr& map) {
+  if (const auto* edges = dynamic_cast<const CEdgeVoxelMap*>(map.get()))
+    return {map, std::make_shared<const octomap::OcTree>(edges->asOcTree())};
+  const auto octomap = mrpt::maps::asProbOctoMap(map);
+  if (!octomap)
+    throw std::runtime_error(std::string("a ") + map->GetRuntimeClass()->className +
+                             " is not, and holds no, 3-D occupancy map");
+  return {octomap, {octomap, &octomap->octree()}};
+}
+
+/** What a robot is called whose map is in a file of its own. */
+std::string nameOf(const std::string& path) {
+  return std::filesystem::path(path).filename().replace_extension().string();
+}
 
 /** One run of a subcommand: its settings, its maps, its report. */
 class Run {
  public:
   explicit Run(const Arguments& args) : args_(args), progress_(!args.quiet) {
     report_.command = args.command;
+    std::vector<std::string> inputs = args.maps;
+    inputs.insert(inputs.end(), {args.config, args.init, args.pose});
     for (const auto& path : {args.output, args.pose_out, args.picture, args.json})
-      if (!path.empty()) checkWritable(path, {args.a, args.b, args.config, args.init, args.pose});
+      if (!path.empty()) checkWritable(path, inputs);
     if (!args.config.empty()) mrpt::maps::withPath(args.config, [this] { loadConfig(); });
     pmm_.setMinLoggingLevel(args.verbose ? mrpt::system::LVL_DEBUG : mrpt::system::LVL_ERROR);
     pmm_.onIteration = [this](const mrpt::fusion::IterationRecord& i) {
@@ -53,6 +81,7 @@ class Run {
   }
 
   int fuse() {
+    if (args_.maps.size() != 2) return fuseMany();
     loadBoth();
     const bool accepted = matchMaps();
     if (accepted || args_.force) {
@@ -70,7 +99,7 @@ class Run {
 
   int evaluate() {
     loadBoth();
-    report_.match = pmm_.evaluate(*a_, *b_, report_.pose->mean);
+    report_.match = pmm_.evaluate(*a_.map, *b_.map, report_.pose->mean);
     step("evaluate");
     draw();
     return finish(report_.match->evaluation.accepted);
@@ -84,21 +113,23 @@ class Run {
   }
 
   int edges() {
-    const MapPtr map = load("map", args_.a);
-    const auto edges = pmm_.edges(*map);
+    const CEdgeVoxelMap edges(pmm_.edges(*load("map", args_.maps[0]).map));
     report_.edges = edges.size();
     step("edges");
-    mrpt::maps::writeFileAtomically(args_.output, toPly(edges));
+    if (std::filesystem::path(args_.output).extension() == ".ply")
+      mrpt::maps::writeFileAtomically(args_.output, mrpt::maps::toPly(edges.edges()));
+    else
+      mrpt::maps::saveMap(edges, args_.output);
     step("save");
     return finish(true);
   }
 
   int transform() {
     const CPose3D pose = parsePose(args_.pose);
-    const MapPtr map = load("map", args_.a);
-    const double resolution = args_.resolution > 0 ? args_.resolution : map->getResolution();
+    const LoadedMap map = load("map", args_.maps[0]);
+    const double resolution = args_.resolution > 0 ? args_.resolution : map.octree->getResolution();
     const CProbOctoMap moved(
-        mrpt::maps::transformOcTree(map->octree(), mrpt::fusion::toEigen(pose), resolution));
+        mrpt::maps::transformOcTree(*map.octree, mrpt::fusion::toEigen(pose), resolution));
     step("transform");
     mrpt::maps::saveMap(moved, args_.output);
     step("save");
@@ -107,7 +138,7 @@ class Run {
   }
 
   int build() {
-    const auto built = mrpt::maps::buildMap(args_.a, buildParams());
+    const auto built = mrpt::maps::buildMap(args_.maps[0], buildParams());
     progress_.clear();
     step("build");
     mrpt::maps::saveMap(*built.map, args_.output);
@@ -118,8 +149,18 @@ class Run {
     return finish(true);
   }
 
+  int pack() {
+    mrpt::maps::saveLocalMaps(loadLocalMaps(), args_.output);
+    step("save");
+    report_.bytes = std::filesystem::file_size(args_.output);
+    return finish(true);
+  }
+
   int info() {
-    load("map", args_.a);
+    const auto robots = mrpt::maps::loadLocalMaps(args_.maps[0]);
+    for (const auto& robot : robots) reportOnRobot(*robot, args_.maps[0]);
+    if (robots.empty()) load("map", args_.maps[0]);
+    step("load");
     return finish(true);
   }
 
@@ -145,25 +186,89 @@ class Run {
     return params;
   }
 
-  MapPtr load(const std::string& role, const std::string& path) {
+  LoadedMap load(const std::string& role, const std::string& path) {
     progress_.show("loading " + path);
-    MapPtr map = mrpt::maps::loadMap(path, buildParams());
+    const CMetricMap::Ptr any = mrpt::maps::loadAnyMap(path, buildParams());
+    const LoadedMap map = mrpt::maps::withPath(path, [&] { return workable(any); });
     progress_.clear();
-    report_.maps.push_back(reportOn(role, path, map->octree()));
+    report_.maps.push_back(reportOn(role, path, *map.octree));
     if (args_.command != "info" && report_.maps.back().statistics.occupied == 0)
       throw std::runtime_error(path + ": the map has no occupied voxel");
     step("load");
     return map;
   }
 
+  void reportOnRobot(const CObservationLocalMap& robot, const std::string& path) {
+    if (!robot.map)
+      throw std::runtime_error(path + ": the map of " + robot.sensorLabel + " is missing");
+    const LoadedMap map = mrpt::maps::withPath(path, [&] { return workable(robot.map); });
+    report_.maps.push_back(reportOn(robot.sensorLabel, path, *map.octree));
+  }
+
+  /** The maps of all robots: of recorded missions, and of files with one map each. */
+  std::vector<CObservationLocalMap::Ptr> loadLocalMaps() {
+    std::vector<CObservationLocalMap::Ptr> robots;
+    for (const auto& path : args_.maps) {
+      progress_.show("loading " + path);
+      auto of_mission = mrpt::maps::loadLocalMaps(path);
+      for (const auto& robot : of_mission) reportOnRobot(*robot, path);
+      if (of_mission.empty()) {
+        auto robot = CObservationLocalMap::Create();
+        robot->sensorLabel = nameOf(path);
+        robot->map = std::const_pointer_cast<CMetricMap>(load(robot->sensorLabel, path).map);
+        of_mission.push_back(robot);
+      }
+      for (const auto& robot : of_mission) {
+        const bool twice = std::any_of(robots.begin(), robots.end(), [&](const auto& other) {
+          return other->sensorLabel == robot->sensorLabel;
+        });
+        if (twice)
+          throw std::runtime_error(path + ": there is another map of '" + robot->sensorLabel + "'");
+        if (args_.edges_only) robot->map = std::make_shared<CEdgeVoxelMap>(pmm_.edges(*robot->map));
+        robots.push_back(robot);
+      }
+    }
+    step("load");
+    progress_.clear();
+    return robots;
+  }
+
+  int fuseMany() {
+    const auto robots = loadLocalMaps();
+    if (robots.size() < 2)
+      throw std::runtime_error(
+          args_.maps[0] + ": holds one map; two are needed, or a rawlog of several robots' maps");
+    choosePolicy();
+    const auto result = mrpt::slam::fuseMaps(
+        pmm_, robots, args_.force, [&](const std::string& robot, size_t joined) {
+          progress_.show("matching " + robot + " with " + std::to_string(joined) + " joined maps");
+        });
+    progress_.clear();
+    step("fuse");
+    report_.members = result.members;
+    const auto joined = std::count_if(result.members.begin(), result.members.end(),
+                                      [](const auto& m) { return m.joined; });
+    if (joined > 1)
+      saveFused(result.map);
+    else
+      std::cerr << "map-fusion: every match was rejected, nothing was merged (--force to merge)\n";
+    return finish(std::all_of(result.members.begin(), result.members.end(), [](const auto& m) {
+      return m.info.by_edges || !m.hasMatch() || m.info.evaluation.accepted;
+    }));
+  }
+
+  void choosePolicy() {
+    for (const auto& [policy, name] : mrpt::fusion::mergePolicyNames())
+      if (args_.policy == name) pmm_.options.merge.policy = policy;
+    for (const auto& [policy, name] : mrpt::fusion::mergePolicyNames())
+      if (pmm_.options.merge.policy == policy) report_.policy = name;
+  }
+
   void loadBoth() {
     if (!args_.init.empty()) report_.initial_pose = parsePose(args_.init);
-    if (!args_.policy.empty())
-      for (const auto& [policy, name] : mrpt::fusion::mergePolicyNames())
-        if (args_.policy == name) pmm_.options.merge.policy = policy;
     if (!args_.pose.empty()) report_.pose.emplace().mean = parsePose(args_.pose);
-    a_ = load("a", args_.a);
-    b_ = load("b", args_.b);
+    a_ = load("a", args_.maps[0]);
+    b_ = load("b", args_.maps[1]);
   }
 
   mrpt::poses::CPose3DPDFGaussian prior() const {
@@ -180,7 +285,7 @@ class Run {
   bool matchMaps() {
     progress_.show("extracting edges");
     auto& info = report_.match.emplace();
-    const auto pdf = pmm_.Align3DPDF(a_.get(), b_.get(), prior(), info);
+    const auto pdf = pmm_.Align3DPDF(a_.map.get(), b_.map.get(), prior(), info);
     progress_.clear();
     report_.pose.emplace().copyFrom(*pdf);
     report_.seconds.emplace_back("features", info.seconds_features);
@@ -195,9 +300,8 @@ class Run {
 
   CProbOctoMap merged() {
     progress_.show("merging");
-    for (const auto& [policy, name] : mrpt::fusion::mergePolicyNames())
-      if (pmm_.options.merge.policy == policy) report_.policy = name;
-    CProbOctoMap fused = pmm_.merge(*a_, *b_, report_.pose->mean);
+    choosePolicy();
+    CProbOctoMap fused = pmm_.merge(*a_.map, *b_.map, report_.pose->mean);
     progress_.clear();
     step("merge");
     return fused;
@@ -219,8 +323,8 @@ class Run {
                       : report_.match->evaluation.accepted ? "result: accepted"
                                                            : "result: rejected",
                       mrpt::fusion::toEigen(report_.pose->mean)});
-    drawTopView(mrpt::fusion::extractOccupiedVoxels(a_->octree()),
-                mrpt::fusion::extractOccupiedVoxels(b_->octree()), panels, args_.picture);
+    drawTopView(mrpt::fusion::extractOccupiedVoxels(*a_.octree),
+                mrpt::fusion::extractOccupiedVoxels(*b_.octree), panels, args_.picture);
     step("picture");
   }
 
@@ -245,7 +349,7 @@ class Run {
   std::unique_ptr<mrpt::config::CConfigFile> config_;
   CProbabilisticMapMatching pmm_;
   mrpt::system::CTicTac clock_;
-  MapPtr a_, b_;
+  LoadedMap a_, b_;
   Report report_;
 };
 
@@ -255,7 +359,7 @@ int run(const Arguments& arguments) {
   static const std::map<std::string, int (Run::*)()> commands = {
       {"fuse", &Run::fuse},   {"match", &Run::match}, {"evaluate", &Run::evaluate},
       {"merge", &Run::merge}, {"edges", &Run::edges}, {"transform", &Run::transform},
-      {"build", &Run::build}, {"info", &Run::info}};
+      {"build", &Run::build}, {"pack", &Run::pack},   {"info", &Run::info}};
   Run run(arguments);
   const int status = (run.*commands.at(arguments.command))();
   // To free maps of millions of nodes takes seconds; the system takes the whole process back at

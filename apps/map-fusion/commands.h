@@ -7,7 +7,7 @@
 /** What the command line asks for; each subcommand uses its part. */
 struct Arguments {
   std::string command;
-  std::string a, b;                ///< input files
+  std::vector<std::string> maps;   ///< input files: A, B...
   std::string init, pose;          ///< POSE
   std::vector<double> init_sigma;  ///< m, deg; empty: as configured
   std::string output;              ///< map or point cloud
@@ -15,6 +15,7 @@ struct Arguments {
   std::string config, section = "MappingApplication";
   std::string policy;     ///< empty: as configured
   double resolution = 0;  ///< m; 0: that of the input
+  bool edges_only = false;
   bool force = false, quiet = false, verbose = false;
 };
 

@@ -10,6 +10,8 @@
 
 namespace {
 
+constexpr int kMany = 10000;
+
 constexpr const char* kPoseHelp =
     "\"[x y z yaw pitch roll]\" (m, deg), or a file with a 4x4 row-major matrix";
 
@@ -36,10 +38,12 @@ class CommandLine {
     sub->add_flag("-v,--verbose", args_.verbose, "say what each iteration does")->excludes(quiet);
     return sub;
   }
-  void inputs(CLI::App* sub, bool two) {
-    const std::string kinds = "map: .ot, .bt, MRPT-serialized, or a recording to build it from";
-    sub->add_option(two ? "A" : "MAP", args_.a, kinds)->required();
-    if (two) sub->add_option("B", args_.b, kinds + "; its pose in A is sought")->required();
+  /** So many maps; the pose of the second in the first one's frame is sought. */
+  void inputs(CLI::App* sub, const std::string& names, int least, int most) {
+    sub->add_option(names, args_.maps,
+                    "maps: .ot, .bt, MRPT-serialized, or a recording to build one from")
+        ->required()
+        ->expected(least, most);
   }
   void output(CLI::App* sub, const std::string& what) {
     sub->add_option("-o,--output", args_.output, what)->required()->type_name("FILE");
@@ -94,9 +98,12 @@ int main(int argc, char** argv) {
   unsigned threads = 0;
   CommandLine line(app, args, threads);
 
-  auto* fuse = line.add("fuse", "Find B's pose in A and, if it can be trusted, merge both maps",
-                        "map-fusion fuse a.ot b.ot --init \"[4 1 0 30 0 0]\" -o fused.ot");
-  line.inputs(fuse, true);
+  auto* fuse =
+      line.add("fuse",
+               "Find B's pose in A and, if it can be trusted, merge both maps; or all maps\n"
+               "given, or in a rawlog of several robots' maps, as far as they can be trusted",
+               "map-fusion fuse a.ot b.ot --init \"[4 1 0 30 0 0]\" -o fused.ot");
+  line.inputs(fuse, "A B...", 1, kMany);
   line.output(fuse, "the fused map (.ot, .bt, or MRPT-serialized), in A's frame");
   line.init(fuse);
   line.policy(fuse);
@@ -105,19 +112,19 @@ int main(int argc, char** argv) {
 
   auto* match = line.add("match", "Find B's pose in A and say whether it can be trusted",
                          "map-fusion match a.ot b.ot --init guess.txt --pose-out T_a_b.txt");
-  line.inputs(match, true);
+  line.inputs(match, "A B", 2, 2);
   line.init(match);
   line.picture(match);
 
   auto* evaluate = line.add("evaluate", "Say whether a given pose of B in A can be trusted",
                             "map-fusion evaluate a.ot b.ot --pose T_a_b.txt");
-  line.inputs(evaluate, true);
+  line.inputs(evaluate, "A B", 2, 2);
   line.pose(evaluate, "pose of B in A's frame");
   line.picture(evaluate);
 
   auto* merge = line.add("merge", "Merge both maps at a given pose of B in A",
                          "map-fusion merge a.ot b.ot --pose T_a_b.txt --policy bayes -o fused.ot");
-  line.inputs(merge, true);
+  line.inputs(merge, "A B", 2, 2);
   line.pose(merge, "pose of B in A's frame");
   line.output(merge, "the fused map (.ot, .bt, or MRPT-serialized), in A's frame");
   line.policy(merge);
@@ -125,12 +132,14 @@ int main(int argc, char** argv) {
 
   auto* edges = line.add("edges", "Extract the structural edge voxels of a map as a point cloud",
                          "map-fusion edges a.ot -o edges.ply");
-  line.inputs(edges, false);
-  line.output(edges, "PLY point cloud; nx ny nz is the direction of the edge");
+  line.inputs(edges, "MAP", 1, 1);
+  line.output(edges,
+              "*.ply: a point cloud, nx ny nz is the direction of the edge; else a CEdgeVoxelMap "
+              "to match with");
 
   auto* transform = line.add("transform", "Move a map to another frame, on that frame's grid",
                              "map-fusion transform b.ot --pose \"[1 2 0 90 0 0]\" -o moved.ot");
-  line.inputs(transform, false);
+  line.inputs(transform, "MAP", 1, 1);
   line.pose(transform, "pose of the map's frame in the new frame");
   line.output(transform, "the moved map (.ot, .bt, or MRPT-serialized)");
   transform->add_option("--resolution", args.resolution, "voxel size, m (default: the map's)")
@@ -138,14 +147,23 @@ int main(int argc, char** argv) {
 
   auto* build = line.add("build", "Build a map from a recording: a .rawlog or a .simplemap",
                          "map-fusion build run.rawlog --config map.ini -o run.ot");
-  line.inputs(build, false);
+  line.inputs(build, "MAP", 1, 1);
   line.output(build, "the map: .ot or .bt, else MRPT-serialized (compressed if *.gz)");
 
+  auto* pack = line.add("pack", "Record maps of several robots in one rawlog, compressed",
+                        "map-fusion pack robot1.ot robot2.ot -o mission.rawlog");
+  line.inputs(pack, "MAPS", 1, kMany);
+  line.output(pack, "a rawlog with one CObservationLocalMap for each robot, named as its file");
+  pack->add_flag("--edges-only", args.edges_only,
+                 "their structural edges only: a fraction of the bytes");
+
   auto* info = line.add("info", "Show what a map holds", "map-fusion info a.ot");
-  line.inputs(info, false);
+  line.inputs(info, "MAP", 1, 1);
 
   try {
     app.parse(argc, argv);
+    if (args.maps.size() != 2 && !(args.init + args.pose_out + args.picture).empty())
+      throw CLI::ValidationError("--init, --pose-out and --picture are for two maps, A and B");
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? kDone : kUsage;
   }

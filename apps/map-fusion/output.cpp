@@ -5,7 +5,6 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <sstream>
 #include <stdexcept>
 
 namespace fs = std::filesystem;
@@ -36,20 +35,4 @@ void checkWritable(const std::string& path, const std::vector<std::string>& inpu
   const bool exists = fs::exists(path, ignored);
   if ((exists && ::access(path.c_str(), W_OK) != 0) || ::access(parent.c_str(), W_OK) != 0)
     throw std::runtime_error(path + ": cannot be written: permission denied");
-}
-
-std::string toPly(const mrpt::fusion::EdgeVoxels& edges) {
-  std::ostringstream out;
-  out << "ply\nformat ascii 1.0\n"
-      << "comment structural edge voxels: nx ny nz is the direction of the edge\n"
-      << "element vertex " << edges.size() << "\n";
-  for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "probability", "linearity"})
-    out << "property float " << name << "\n";
-  out << "end_header\n";
-  for (size_t i = 0; i < edges.size(); i++) {
-    const Eigen::Vector3d tau = edges.covariance[i].direction();
-    out << edges.centre[i].transpose() << " " << tau.transpose() << " " << edges.probability[i]
-        << " " << edges.covariance[i].linearity() << "\n";
-  }
-  return out.str();
 }

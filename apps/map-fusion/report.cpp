@@ -38,6 +38,20 @@ void printMaps(const Report& r, std::ostream& out) {
   }
 }
 
+const char* verdictOf(const mrpt::fusion::Evaluation& e) {
+  return e.accepted ? "accepted" : e.is_ambiguous ? "AMBIGUOUS" : "REJECTED";
+}
+
+void printMember(const mrpt::slam::FusionMember& m, std::ostream& out) {
+  if (!m.hasMatch()) return line(out, "%-16s the first map: its frame is kept", m.robot.c_str());
+  const auto& e = m.info.evaluation;
+  line(out, "%-16s %s%s, pose %s, overlap %.1f %%", m.robot.c_str(),
+       m.info.by_edges ? "by its edges" : verdictOf(e), m.joined && !e.accepted ? ", forced" : "",
+       poseText(m.pose.mean).c_str(), 100 * e.overlap);
+  if (!m.info.by_edges)
+    for (const auto& reason : e.reasons) out << "                 - " << reason << "\n";
+}
+
 void printMatch(const CProbabilisticMapMatching::TReturnInfo& info, std::ostream& out) {
   const auto& e = info.evaluation;
   size_t edge_iterations = 0;
@@ -53,10 +67,7 @@ void printMatch(const CProbabilisticMapMatching::TReturnInfo& info, std::ostream
        100 * e.threshold);
   line(out, "in free space    %.1f %%  of the obstacles seen by both",
        100 * e.free_space.conflictRatio());
-  line(out, "verdict          %s",
-       e.accepted       ? "accepted"
-       : e.is_ambiguous ? "AMBIGUOUS"
-                        : "REJECTED");
+  line(out, "verdict          %s", verdictOf(e));
   for (const auto& reason : e.reasons) out << "                 - " << reason << "\n";
   if (e.is_ambiguous)
     line(out, "second best      %s",
@@ -74,6 +85,18 @@ Json poseJson(const mrpt::poses::CPose3D& p) {
           {"pitch_deg", mrpt::RAD2DEG(p.pitch())},
           {"roll_deg", mrpt::RAD2DEG(p.roll())},
           {"matrix", matrix}};
+}
+
+Json poseJson(const mrpt::poses::CPose3DPDFGaussian& p) {
+  Json json = poseJson(p.mean);
+  Json covariance = Json::array();
+  for (int row = 0; row < 6; row++) {
+    Json values = Json::array();
+    for (int col = 0; col < 6; col++) values.push_back(p.cov(row, col));
+    covariance.push_back(values);
+  }
+  json["covariance"] = covariance;
+  return json;
 }
 
 Json matchJson(const CProbabilisticMapMatching::TReturnInfo& info) {
@@ -109,6 +132,7 @@ Json matchJson(const CProbabilisticMapMatching::TReturnInfo& info) {
           {"voxels_b", info.voxels_m2},
           {"edges_a", info.edges_m1},
           {"edges_b", info.edges_m2},
+          {"by_edges", info.by_edges},
           {"iterations", iterations}};
 }
 
@@ -139,6 +163,8 @@ void print(const Report& r, std::ostream& out) {
     line(out, "pose of b in a   %s  (m, deg: x y z yaw pitch roll)",
          poseText(r.pose->mean).c_str());
   if (r.match) printMatch(*r.match, out);
+  for (const auto& member : r.members) printMember(member, out);
+  if (r.bytes) line(out, "written          %zu bytes", *r.bytes);
   if (!r.policy.empty()) line(out, "merged by        %s", r.policy.c_str());
   out << "seconds         ";
   double total = 0;
@@ -173,17 +199,17 @@ std::string toJson(const Report& r) {
                             {"ignored", r.observations->second}};
   if (r.edges) json["edge_voxels"] = *r.edges;
   if (r.initial_pose) json["initial_pose"] = poseJson(*r.initial_pose);
-  if (r.pose) {
-    json["pose"] = poseJson(r.pose->mean);
-    Json covariance = Json::array();
-    for (int row = 0; row < 6; row++) {
-      Json values = Json::array();
-      for (int col = 0; col < 6; col++) values.push_back(r.pose->cov(row, col));
-      covariance.push_back(values);
-    }
-    json["pose"]["covariance"] = covariance;
-  }
+  if (r.pose) json["pose"] = poseJson(*r.pose);
   if (r.match) json["match"] = matchJson(*r.match);
+  for (const auto& m : r.members) {
+    Json member = {{"robot", m.robot}, {"joined", m.joined}};
+    if (m.hasMatch()) {
+      member["pose"] = poseJson(m.pose);
+      member["match"] = matchJson(m.info);
+    }
+    json["robots"].push_back(member);
+  }
+  if (r.bytes) json["bytes"] = *r.bytes;
   if (!r.policy.empty()) json["policy"] = r.policy;
   json["seconds"] = Json::object();
   for (const auto& [step, seconds] : r.seconds) json["seconds"][step] = seconds;

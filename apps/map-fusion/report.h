@@ -4,6 +4,7 @@
 #include <mrpt/fusion/voxels.h>
 #include <mrpt/poses/CPose3DPDFGaussian.h>
 #include <mrpt/slam/CProbabilisticMapMatching.h>
+#include <mrpt/slam/map_fusion.h>
 
 #include <iosfwd>
 #include <optional>
@@ -13,7 +14,7 @@
 
 /** A map in a report. */
 struct MapReport {
-  std::string role;  ///< "a", "b", "fused", "map"
+  std::string role;  ///< "a", "b", "fused", "map", or the robot's name
   std::string path;
   double resolution = 0;                           ///< m
   double low[3] = {0, 0, 0}, high[3] = {0, 0, 0};  ///< box of the known space, m
@@ -30,6 +31,8 @@ struct Report {
   std::optional<mrpt::poses::CPose3D> initial_pose;
   std::optional<mrpt::poses::CPose3DPDFGaussian> pose;  ///< covariance zero if it was given
   std::optional<mrpt::slam::CProbabilisticMapMatching::TReturnInfo> match;
+  std::vector<mrpt::slam::FusionMember> members;          ///< of a fusion of many maps
+  std::optional<size_t> bytes;                            ///< written by `pack`
   std::string policy;                                     ///< of the merge, if there was one
   std::optional<size_t> edges;                            ///< edge voxels found by `edges`
   std::optional<std::pair<size_t, size_t>> observations;  ///< inserted, ignored by `build`

@@ -98,7 +98,7 @@ TEST_F(SingleSteps, QuietIsSilent) {
 TEST_F(SingleSteps, HelpHasAnExampleForEverySubcommand) {
   EXPECT_EQ(mapFusion("--help").code, 0);
   for (const std::string command :
-       {"fuse", "match", "evaluate", "merge", "edges", "transform", "build", "info"}) {
+       {"fuse", "match", "evaluate", "merge", "edges", "transform", "build", "pack", "info"}) {
     const auto r = mapFusion(command + " --help");
     EXPECT_EQ(r.code, 0);
     EXPECT_NE(r.out.find("map-fusion " + command), std::string::npos) << command;

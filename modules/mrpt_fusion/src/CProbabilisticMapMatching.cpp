@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/maps/CEdgeVoxelMap.h>
 #include <mrpt/maps/map_files.h>
 #include <mrpt/poses/CPosePDFGaussian.h>
 #include <mrpt/slam/CProbabilisticMapMatching.h>
@@ -6,11 +7,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <sstream>
 #include <vector>
 
 using namespace mrpt::slam;
 using namespace mrpt::fusion;
+using mrpt::maps::CEdgeVoxelMap;
 using mrpt::maps::CMetricMap;
 using mrpt::maps::CProbOctoMap;
 using mrpt::poses::CPose3D;
@@ -277,6 +280,35 @@ std::shared_ptr<const CProbOctoMap> octomapOf(const CMetricMap& map) {
   return octomap;
 }
 
+/** A map to match, and the octrees that its features point to. */
+class Matchable {
+ public:
+  explicit Matchable(const CMetricMap& map) {
+    if (const auto* edges = dynamic_cast<const CEdgeVoxelMap*>(&map)) {
+      edges_ = *edges;
+      edge_tree_.emplace(edges->asOcTree());
+    } else {
+      map_ = octomapOf(map);
+    }
+  }
+
+  bool isEdges() const { return !map_; }
+  const octomap::OcTree& octree() const { return map_ ? map_->octree() : *edge_tree_; }
+
+  MapFeatures edgeFeatures(const MatchParams& params) {
+    if (!edge_tree_) {
+      edges_ = CEdgeVoxelMap(*map_, params.edges);
+      edge_tree_.emplace(edges_.asOcTree());
+    }
+    return featuresOfEdges(octree(), *edge_tree_, edges_.edges());
+  }
+
+ private:
+  std::shared_ptr<const CProbOctoMap> map_;
+  CEdgeVoxelMap edges_;
+  std::optional<octomap::OcTree> edge_tree_;
+};
+
 double secondsSince(mrpt::system::CTicTac& clock) {
   const double s = clock.Tac();
   clock.Tic();
@@ -299,11 +331,16 @@ mrpt::poses::CPose3DPDF::Ptr CProbabilisticMapMatching::Align3DPDF(
     const mrpt::poses::CPose3DPDFGaussian& initialEstimationPDF,
     mrpt::optional_ref<TMetricMapAlignmentResult> outInfo) {
   ASSERTMSG_(m1 && m2, "CProbabilisticMapMatching: a map is null");
-  const auto a = octomapOf(*m1), b = octomapOf(*m2);
+  ASSERTMSG_(toEigen(initialEstimationPDF.mean).matrix().allFinite(),
+             "CProbabilisticMapMatching: the initial guess is not a pose");
   mrpt::system::CTicTac clock, total;
   TReturnInfo info;
   profiler.enter("features");
-  const auto [fa, fb] = computeFeatures(a->octree(), b->octree(), options.match);
+  Matchable a(*m1), b(*m2);
+  info.by_edges = a.isEdges() || b.isEdges();
+  const auto [fa, fb] =
+      info.by_edges ? std::pair(a.edgeFeatures(options.match), b.edgeFeatures(options.match))
+                    : computeFeatures(a.octree(), b.octree(), options.match);
   profiler.leave("features");
   ASSERTMSG_(fa.voxels.size() > 0, "CProbabilisticMapMatching: map m1 has no occupied voxel");
   ASSERTMSG_(fb.voxels.size() > 0, "CProbabilisticMapMatching: map m2 has no occupied voxel");
@@ -324,6 +361,11 @@ mrpt::poses::CPose3DPDF::Ptr CProbabilisticMapMatching::Align3DPDF(
   profiler.enter("evaluate");
   info.evaluation = evaluateMatch(fa, fb, info.match.pairs, info.match.T_a_b, options.evaluation,
                                   info.match.runnerUp());
+  if (info.by_edges) {
+    info.evaluation.accepted = false;
+    info.evaluation.reasons.emplace_back(
+        "edges alone tell where the maps meet, not that they may be merged");
+  }
   profiler.leave("evaluate");
   info.seconds_evaluation = secondsSince(clock);
   info.executionTime = total.Tac();

@@ -475,16 +475,28 @@ EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const VoxelBlocks& occupie
   std::vector<Eigen::Vector3f> points;
   for (const uint32_t i : found) points.push_back(voxels.centre[i]);
 
-  EdgeVoxels edges;
-  edges.resolution = voxels.resolution;
   std::vector<octomap::OcTreeKey> keys;
+  std::vector<float> probability;
   for (const uint32_t i : statisticalInliers(points, params)) {
-    edges.centre.push_back(points[i]);
-    edges.probability.push_back(voxels.probability[found[i]]);
     keys.push_back(voxels.key[found[i]]);
+    probability.push_back(voxels.probability[found[i]]);
   }
-  edges.covariance = edgeCovariances(keys, std::max(params.direction_radius, 3 * voxels.resolution),
-                                     voxels.resolution);
+  return edgeVoxelsAt(keys, std::move(probability), octomap::OcTree(voxels.resolution),
+                      params.direction_radius);
+}
+
+EdgeVoxels edgeVoxelsAt(const std::vector<octomap::OcTreeKey>& at, std::vector<float> probability,
+                        const octomap::OcTree& grid, double direction_radius) {
+  EdgeVoxels edges;
+  edges.resolution = grid.getResolution();
+  edges.direction_radius = std::max(direction_radius, 3 * edges.resolution);
+  edges.probability = std::move(probability);
+  edges.centre.reserve(at.size());
+  for (const auto& key : at) {
+    const octomap::point3d p = grid.keyToCoord(key);
+    edges.centre.emplace_back(p.x(), p.y(), p.z());
+  }
+  edges.covariance = edgeCovariances(at, edges.direction_radius, edges.resolution);
   return edges;
 }
 

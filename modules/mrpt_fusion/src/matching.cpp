@@ -208,6 +208,17 @@ MapFeatures computeFeatures(const octomap::OcTree& map, const MatchParams& param
   return f;
 }
 
+MapFeatures featuresOfEdges(const octomap::OcTree& map, const octomap::OcTree& edge_tree,
+                            const EdgeVoxels& edges) {
+  MapFeatures f{MapVoxels(map), {extractOccupiedVoxels(edge_tree), {}}, edges};
+  const size_t n = f.matched.voxels.size();
+  f.matched.surfaces.normal.assign(n, Eigen::Vector3f::Zero());
+  f.matched.surfaces.point = f.matched.voxels.centre;
+  f.matched.surfaces.variation.assign(n, 0);
+  f.matched.surfaces.weight.assign(n, 1);
+  return f;
+}
+
 std::vector<uint32_t> edgeCandidates(const SurfaceVoxels& matched, const MatchParams& params) {
   const std::vector<float>& variation = matched.surfaces.variation;
   return thinOut(matched.voxels, params.edge_spacing,

@@ -2,6 +2,7 @@
 #include <mrpt/maps/CPointsMap.h>
 #include <mrpt/maps/CProbOctoMap.h>
 #include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/maps/archive_blobs.h>
 #include <mrpt/maps/error_text.h>
 #include <mrpt/maps/octree_build.h>
 #include <mrpt/maps/octree_io.h>
@@ -150,9 +151,6 @@ std::string CProbOctoMap::asString() const {
 
 // ---------------------------------------------------------------- serialization
 
-/** Ends a serialized map: MRPT takes part of a number for all of it where a stream ends early. */
-constexpr uint32_t kEndMark = 0x50524f42;
-
 uint8_t CProbOctoMap::serializeGetVersion() const { return 0; }
 
 void CProbOctoMap::serializeTo(mrpt::serialization::CArchive& out) const {
@@ -165,27 +163,9 @@ void CProbOctoMap::serializeTo(mrpt::serialization::CArchive& out) const {
   const auto m = OcTreeAccess::sensorModel(*m_octree);
   out << m_octree->getResolution() << m.clamp_min << m.clamp_max << m.hit << m.miss
       << m.occupancy_threshold;
-  const std::string nodes = serializeNodes(*m_octree);
-  out << static_cast<uint64_t>(nodes.size());
-  if (!nodes.empty()) out.WriteBuffer(nodes.data(), nodes.size());
-  out << kEndMark;
+  writeBlob(out, serializeNodes(*m_octree));
+  writeEndMark(out);
 }
-
-namespace {
-/** Reads \a size bytes in blocks: a length field that lies runs into the end of the stream before
- * it has taken much memory. */
-std::string readBlob(mrpt::serialization::CArchive& in, uint64_t size) {
-  constexpr uint64_t kBlock = 1 << 20;
-  std::string bytes;
-  while (bytes.size() < size) {
-    const auto n = static_cast<size_t>(std::min(kBlock, size - bytes.size()));
-    bytes.resize(bytes.size() + n);
-    if (in.ReadBuffer(&bytes[bytes.size() - n], n) != n)
-      THROW_EXCEPTION("CProbOctoMap: corrupt stream: it ends early");
-  }
-  return bytes;
-}
-}  // namespace
 
 void CProbOctoMap::serializeFrom(mrpt::serialization::CArchive& in, uint8_t version) {
   if (version != 0) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
@@ -199,17 +179,13 @@ void CProbOctoMap::serializeFrom(mrpt::serialization::CArchive& in, uint8_t vers
       i.clampingThresMin >> i.clampingThresMax;
   double resolution = 0;
   OcTreeAccess::SensorModel m{};
-  uint64_t size = 0;
-  in >> resolution >> m.clamp_min >> m.clamp_max >> m.hit >> m.miss >> m.occupancy_threshold >>
-      size;
+  in >> resolution >> m.clamp_min >> m.clamp_max >> m.hit >> m.miss >> m.occupancy_threshold;
   ASSERTMSG_(resolution > 0 && std::isfinite(resolution),
              "CProbOctoMap: corrupt stream: the resolution is not a positive length");
   map.m_octree = std::make_unique<octomap::OcTree>(resolution);
   OcTreeAccess::setSensorModel(*map.m_octree, m);
-  const std::string nodes = readBlob(in, size);
-  uint32_t end_mark = 0;
-  in >> end_mark;
-  ASSERTMSG_(end_mark == kEndMark, "CProbOctoMap: corrupt stream: it ends early");
+  const std::string nodes = readBlob(in);
+  readEndMark(in);
   parseNodes(nodes, *map.m_octree);
   *this = std::move(map);
 }

@@ -227,6 +227,34 @@ BuiltMap buildFrom(const std::string& path, const CSerializable& first, const Bu
   return builder.finish();
 }
 
+/** Whether one robot's map tells more than another of its maps: a whole one more than its edges, a
+ * later one more than an earlier. */
+bool tellsMore(const CObservationLocalMap& map, const CObservationLocalMap& than) {
+  const auto isWhole = [](const CObservationLocalMap& o) {
+    return o.map && asProbOctoMap(*o.map) != nullptr;
+  };
+  const bool whole = isWhole(map);
+  return whole != isWhole(than) ? whole : map.sequence >= than.sequence;
+}
+
+/** The latest map of each robot in a rawlog. */
+std::vector<CObservationLocalMap::Ptr> latestMaps(const std::string& path) {
+  std::vector<CObservationLocalMap::Ptr> latest;
+  ObjectReader reader(path);
+  while (const auto object = reader.next()) {
+    const auto map = std::dynamic_pointer_cast<CObservationLocalMap>(object);
+    if (!map) continue;
+    const auto known = std::find_if(latest.begin(), latest.end(), [&](const auto& other) {
+      return other->sensorLabel == map->sensorLabel;
+    });
+    if (known == latest.end())
+      latest.push_back(map);
+    else if (tellsMore(*map, **known))
+      *known = map;
+  }
+  return latest;
+}
+
 std::string beginningOf(const std::string& path) {
   std::ifstream f(path, std::ios::binary);
   std::string bytes(64, '\0');
@@ -281,6 +309,13 @@ std::shared_ptr<const CProbOctoMap> asProbOctoMap(const CMetricMap& map) {
   return nullptr;
 }
 
+std::shared_ptr<const CProbOctoMap> asProbOctoMap(const CMetricMap::ConstPtr& map) {
+  const auto octomap = asProbOctoMap(*map);
+  if (!octomap) return nullptr;
+  return {std::make_shared<std::pair<CMetricMap::ConstPtr, decltype(octomap)>>(map, octomap),
+          octomap.get()};
+}
+
 BuiltMap buildMap(const std::string& path, const BuildParams& params) {
   return withPath(path, [&] {
     const auto first = firstObject(path);
@@ -289,26 +324,66 @@ BuiltMap buildMap(const std::string& path, const BuildParams& params) {
   });
 }
 
-std::shared_ptr<const CProbOctoMap> loadMap(const std::string& path, const BuildParams& params) {
-  return withPath(path, [&]() -> std::shared_ptr<const CProbOctoMap> {
+CMetricMap::Ptr loadAnyMap(const std::string& path, const BuildParams& params) {
+  return withPath(path, [&]() -> CMetricMap::Ptr {
     if (isOcTreeFile(beginningOf(path)))
-      return std::make_shared<const CProbOctoMap>(parseOcTreeFile(readFileBytes(path)));
+      return std::make_shared<CProbOctoMap>(parseOcTreeFile(readFileBytes(path)));
 
-    CMetricMap::Ptr map;
     const auto first = firstObject(path);
-    if (isRecording(*first))
-      map = buildFrom(path, *first, params).map;
-    else
-      map = std::dynamic_pointer_cast<CMetricMap>(first);
-    auto octomap = map ? asProbOctoMap(*map) : nullptr;
-    if (!octomap)
-      throw std::runtime_error(std::string("a ") +
-                               (map ? map : first)->GetRuntimeClass()->className +
-                               " is not, and holds no, 3-D occupancy map");
-    // The octomap may be a part of the object read: keep that alive with it.
-    return {std::make_shared<std::pair<CMetricMap::Ptr, decltype(octomap)>>(map, octomap),
-            octomap.get()};
+    if (isRecording(*first)) {
+      const auto robots = latestMaps(path);
+      if (robots.empty()) return buildFrom(path, *first, params).map;
+      if (robots.size() > 1)
+        throw std::runtime_error("holds the maps of " + std::to_string(robots.size()) +
+                                 " robots, not one map");
+      if (!robots.front()->map) throw std::runtime_error("the robot's map is missing in it");
+      return robots.front()->map;
+    }
+    auto map = std::dynamic_pointer_cast<CMetricMap>(first);
+    if (!map)
+      throw std::runtime_error(std::string("a ") + first->GetRuntimeClass()->className +
+                               " is no map");
+    return map;
   });
+}
+
+std::shared_ptr<const CProbOctoMap> loadMap(const std::string& path, const BuildParams& params) {
+  const CMetricMap::Ptr map = loadAnyMap(path, params);
+  auto octomap = asProbOctoMap(CMetricMap::ConstPtr(map));
+  if (!octomap)
+    throw std::runtime_error(path + ": a " + map->GetRuntimeClass()->className +
+                             " is not, and holds no, 3-D occupancy map");
+  return octomap;
+}
+
+std::vector<CObservationLocalMap::Ptr> loadLocalMaps(const std::string& path) {
+  return withPath(path, [&]() -> std::vector<CObservationLocalMap::Ptr> {
+    if (isOcTreeFile(beginningOf(path)) || !isRecording(*firstObject(path))) return {};
+    return latestMaps(path);
+  });
+}
+
+namespace {
+
+void saveBytes(std::string_view bytes, const std::string& path) {
+  if (mrpt::system::extractFileExtension(path) == "gz")
+    writeFileAtomically(path, gzCompressed(bytes));
+  else
+    writeFileAtomically(path, bytes);
+}
+
+std::string_view bytesOf(mrpt::io::CMemoryStream& memory) {
+  return {static_cast<const char*>(memory.getRawBufferData()),
+          static_cast<size_t>(memory.getTotalBytesCount())};
+}
+
+}  // namespace
+
+void saveLocalMaps(const std::vector<CObservationLocalMap::Ptr>& maps, const std::string& path) {
+  mrpt::io::CMemoryStream memory;
+  auto archive = mrpt::serialization::archiveFrom(memory);
+  for (const auto& map : maps) archive << *map;
+  saveBytes(bytesOf(memory), path);
 }
 
 void saveMap(const CMetricMap& map, const std::string& path) {
@@ -323,13 +398,7 @@ void saveMap(const CMetricMap& map, const std::string& path) {
   }
   mrpt::io::CMemoryStream memory;
   mrpt::serialization::archiveFrom(memory) << map;
-  const auto* bytes = static_cast<const char*>(memory.getRawBufferData());
-  const auto size = static_cast<size_t>(memory.getTotalBytesCount());
-  if (extension != "gz") {
-    writeFileAtomically(path, {bytes, size});
-    return;
-  }
-  writeFileAtomically(path, gzCompressed({bytes, size}));
+  saveBytes(bytesOf(memory), path);
 }
 
 }  // namespace mrpt::maps

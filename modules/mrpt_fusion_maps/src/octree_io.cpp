@@ -14,6 +14,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "byte_reader.h"
+
 namespace mrpt::maps {
 namespace {
 
@@ -23,30 +25,6 @@ constexpr std::string_view kBtMagic = "# Octomap OcTree binary file";
 bool startsWith(std::string_view s, std::string_view prefix) {
   return s.substr(0, prefix.size()) == prefix;
 }
-
-[[noreturn]] void corrupt(const std::string& why) { throw std::runtime_error(why); }
-
-/** Takes values off the front of a byte range, never past its end. */
-class ByteReader {
- public:
-  explicit ByteReader(std::string_view bytes) : bytes_(bytes) {}
-
-  template <class T>
-  T take() {
-    T value;
-    if (bytes_.size() < sizeof(T)) corrupt("the map's data is truncated");
-    std::memcpy(&value, bytes_.data(), sizeof(T));
-    bytes_.remove_prefix(sizeof(T));
-    return value;
-  }
-  void skip(size_t n) {
-    if (bytes_.size() < n) corrupt("the map's data is truncated");
-    bytes_.remove_prefix(n);
-  }
-
- private:
-  std::string_view bytes_;
-};
 
 void checkDepth(unsigned depth) {
   if (depth > OcTreeCube::kMaxDepth) corrupt("the map's data is corrupt: nodes deeper than 16");
@@ -59,7 +37,7 @@ size_t readNode(ByteReader& in, octomap::OcTree& tree, octomap::OcTreeNode* node
   const auto log_odds = in.take<float>();
   if (!std::isfinite(log_odds)) corrupt("the map's data is corrupt: log-odds that are not finite");
   node->setLogOdds(log_odds);
-  in.skip(extra_bytes);
+  in.takeBytes(extra_bytes);
   const auto children = in.take<uint8_t>();
   size_t count = 1;
   for (unsigned i = 0; i < 8; i++)

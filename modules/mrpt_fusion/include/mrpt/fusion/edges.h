@@ -41,6 +41,7 @@ struct EdgeParams {
 /** The edge voxels of a map, as parallel arrays. */
 struct EdgeVoxels {
   double resolution = 0;                   ///< voxel size, m
+  double direction_radius = 0;             ///< of the neighbours that make Sigma_tau, m
   std::vector<Eigen::Vector3f> centre;     ///< m, map frame
   std::vector<float> probability;          ///< of being occupied
   std::vector<EdgeCovariance> covariance;  ///< Sigma_tau, eq. (6), from neighbouring edge voxels
@@ -93,5 +94,12 @@ EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const VoxelBlocks& occupie
                         const EdgeParams& params);
 /** \overload for all of a map's voxels. */
 EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const EdgeParams& params);
+
+/** Eq. (6) for edge voxels that are known: each one's covariance from those within \a
+ * direction_radius (m; at least three voxels) around it. O(edges * neighbours).
+ * \param[in] at Their finest-level octree keys, distinct. \param[in] probability Of each.
+ * \param[in] grid An octree of their resolution. */
+EdgeVoxels edgeVoxelsAt(const std::vector<octomap::OcTreeKey>& at, std::vector<float> probability,
+                        const octomap::OcTree& grid, double direction_radius);
 
 }  // namespace mrpt::fusion

@@ -25,6 +25,11 @@ struct MapFeatures : MapVoxels {
   EdgeVoxels edges;
 };
 MapFeatures computeFeatures(const octomap::OcTree& map, const MatchParams& params);
+/** What matching by edges alone needs: they are the matched voxels, without normals.
+ * \param[in] map All that is known of occupied and free space, which may be the edges only.
+ * \param[in] edge_tree The edges, occupied. */
+MapFeatures featuresOfEdges(const octomap::OcTree& map, const octomap::OcTree& edge_tree,
+                            const EdgeVoxels& edges);
 /** Indices of the matched voxels in which computeFeatures() looks for edges. */
 std::vector<uint32_t> edgeCandidates(const SurfaceVoxels& matched, const MatchParams& params);
 /** \overload for two maps at once. */

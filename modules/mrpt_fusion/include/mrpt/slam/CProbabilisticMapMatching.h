@@ -23,6 +23,8 @@ namespace mrpt::slam {
  * for Matching and Merging of 3-D Occupancy Maps".
  *
  * Maps may be CProbOctoMap, COctoMap, or a CMultiMetricMap with one of them; they are not modified.
+ * If either is a CEdgeVoxelMap, the edges of both are compared, and free space where it is known:
+ * that tells where the maps meet, and is never accepted as a match to merge by.
  * \code
  * mrpt::slam::CProbabilisticMapMatching pmm;
  * mrpt::slam::CProbabilisticMapMatching::TReturnInfo info;
@@ -50,6 +52,7 @@ class CProbabilisticMapMatching : public CMetricMapsAlignmentAlgorithm {
   TConfigParams options;
 
   struct TReturnInfo : public TMetricMapAlignmentResult {
+    bool by_edges = false;  ///< a map is a CEdgeVoxelMap: edges alone were compared
     unsigned nIterations = 0;
     mrpt::fusion::MatchResult match;  ///< pose, covariance, iterations with their MSE, pairs
     mrpt::fusion::Evaluation evaluation;
@@ -68,7 +71,8 @@ class CProbabilisticMapMatching : public CMetricMapsAlignmentAlgorithm {
    * \param[out] outInfo A TReturnInfo, if wanted.
    * \return A CPose3DPDFGaussian: the pose, and the covariance of (x, y, z, yaw, pitch, roll) from
    * the final Hessian. Check TReturnInfo::evaluation before using it.
-   * \exception std::exception If a map is null, of another kind, or has no occupied voxel. */
+   * \exception std::exception If a map is null, of another kind, or has no occupied (edge) voxel.
+   */
   mrpt::poses::CPose3DPDF::Ptr Align3DPDF(
       const mrpt::maps::CMetricMap* m1, const mrpt::maps::CMetricMap* m2,
       const mrpt::poses::CPose3DPDFGaussian& initialEstimationPDF,

@@ -3,10 +3,12 @@
 
 #include <mrpt/config/CConfigFileBase.h>
 #include <mrpt/maps/CProbOctoMap.h>
+#include <mrpt/obs/CObservationLocalMap.h>
 
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 /** \file
  * Maps from files of any kind, told apart by what is in them, and from recorded observations.
@@ -18,6 +20,8 @@ namespace mrpt::maps {
  * (converted), or the first of these in a CMultiMetricMap. Not a copy where none is needed: the
  * result is then only valid as long as \a map. Null if there is none. */
 std::shared_ptr<const CProbOctoMap> asProbOctoMap(const CMetricMap& map);
+/** \overload that keeps \a map alive as long as the result. */
+std::shared_ptr<const CProbOctoMap> asProbOctoMap(const CMetricMap::ConstPtr& map);
 
 /** How to make a map of recorded observations. */
 struct BuildParams {
@@ -47,11 +51,26 @@ struct BuiltMap {
  */
 BuiltMap buildMap(const std::string& path, const BuildParams& params = {});
 
-/** Loads a map from a file of any kind: `.ot`, `.bt`, an MRPT-serialized map (CProbOctoMap,
- * COctoMap, CMultiMetricMap with one of them), or observations to build it from (see buildMap()).
+/** Loads what map a file of any kind holds: an octree (`.ot`, `.bt`) as a CProbOctoMap, an
+ * MRPT-serialized map as it is, the map that a rawlog of one robot's CObservationLocalMap brings
+ * (see loadLocalMaps()), or observations to build it from (see buildMap()).
  * \exception std::runtime_error "<path>: <reason>". */
+CMetricMap::Ptr loadAnyMap(const std::string& path, const BuildParams& params = {});
+
+/** The same, for a map that asProbOctoMap() knows. */
 std::shared_ptr<const CProbOctoMap> loadMap(const std::string& path,
                                             const BuildParams& params = {});
+
+/** The latest map of each robot in a recorded mission, a rawlog with CObservationLocalMap in it, in
+ * the order in which the robots first appear; edges alone only of robots that sent no more. None if
+ * there are none in the file, or it is no rawlog. \exception std::runtime_error "<path>: <reason>":
+ * not readable, truncated. */
+std::vector<mrpt::obs::CObservationLocalMap::Ptr> loadLocalMaps(const std::string& path);
+
+/** Writes a rawlog of such maps, gz-compressed if it ends in `.gz`; all of the file or nothing.
+ * \exception std::runtime_error "<path>: <reason>". */
+void saveLocalMaps(const std::vector<mrpt::obs::CObservationLocalMap::Ptr>& maps,
+                   const std::string& path);
 
 /** Saves a map so that all of the file is written or nothing: `.ot` and `.bt` by extension (for
  * maps that asProbOctoMap() knows), else as an MRPT-serialized object, gz-compressed if it ends in

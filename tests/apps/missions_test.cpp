@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <nlohmann/json.hpp>
+
+#include "run.h"
+
+namespace {
+
+using Json = nlohmann::json;
+
+/** Rawlogs that carry several robots' maps. */
+class Missions : public AppTest {
+ protected:
+  size_t sizeOf(const std::string& file) const { return fs::file_size(dir_ / file); }
+  size_t gzippedSizeOf(const std::string& path) const {
+    const auto r = run("gzip -6 -n -c " + path + " | wc -c");
+    return std::stoul(r.out);
+  }
+  Json report() const { return Json::parse(readFile(dir_ / "report.json")); }
+};
+
+TEST_F(Missions, AreFused) {
+  ASSERT_EQ(mapFusion("pack " + both() + " -o mission.rawlog").code, 0);
+  const auto r = mapFusion("fuse mission.rawlog -o fused.ot --json report.json");
+  ASSERT_EQ(r.code, 0) << r.out << r.err;
+  const Json robots = report().at("robots");
+  ASSERT_EQ(robots.size(), 2U);
+  EXPECT_EQ(robots[0].at("robot"), "map_a");
+  EXPECT_FALSE(robots[0].contains("match"));
+  EXPECT_EQ(robots[1].at("robot"), "map_b");
+  EXPECT_TRUE(robots[1].at("joined"));
+  const auto truth = readMatrix(pair("T_a_b.txt"));
+  for (int row = 0; row < 3; row++)
+    EXPECT_NEAR(robots[1].at("pose").at("matrix")[row][3], truth(row, 3), 0.1);
+
+  // As from the files themselves.
+  ASSERT_EQ(mapFusion("fuse " + both() + " -o direct.ot").code, 0);
+  EXPECT_TRUE(readFile(dir_ / "fused.ot") == readFile(dir_ / "direct.ot"));
+}
+
+TEST_F(Missions, CarryMapsWithoutLossInHalfOfWhatGzipMakesOfThem) {
+  for (const std::string name : {"map_a", "map_b"}) {
+    ASSERT_EQ(mapFusion("pack " + pair(name + ".ot") + " -o " + name + ".rawlog").code, 0);
+    EXPECT_LE(static_cast<double>(sizeOf(name + ".rawlog")),
+              0.55 * static_cast<double>(gzippedSizeOf(pair(name + ".ot"))));
+    ASSERT_EQ(mapFusion("transform " + name + ".rawlog --pose \"[0 0 0 0 0 0]\" -o back.ot").code,
+              0);
+    ASSERT_EQ(
+        mapFusion("transform " + pair(name + ".ot") + " --pose \"[0 0 0 0 0 0]\" -o same.ot").code,
+        0);
+    EXPECT_TRUE(readFile(dir_ / "back.ot") == readFile(dir_ / "same.ot"));
+  }
+}
+
+TEST_F(Missions, CarryEdgesInATwentiethOfThat) {
+  ASSERT_EQ(mapFusion("pack --edges-only " + pair("map_b.ot") + " -o edges.rawlog").code, 0);
+  EXPECT_LE(static_cast<double>(sizeOf("edges.rawlog")),
+            0.05 * static_cast<double>(gzippedSizeOf(pair("map_b.ot"))));
+  const auto r =
+      mapFusion("match " + pair("map_a.ot") + " edges.rawlog --pose-out T.txt --json report.json");
+  EXPECT_EQ(r.code, 3) << "edges are not accepted as a match to merge by";
+  EXPECT_TRUE(report().at("match").at("by_edges"));
+  const auto found = readMatrix(dir_ / "T.txt"), truth = readMatrix(pair("T_a_b.txt"));
+  EXPECT_LT((found.translation() - truth.translation()).norm(), 0.3) << "but tell where they meet";
+  EXPECT_EQ(mapFusion("match " + both() + " --init T.txt").code, 0);
+}
+
+TEST_F(Missions, WithARobotFromElsewhereAreFusedAsFarAsTheyCanBe) {
+  ASSERT_EQ(
+      mapFusion("build /usr/share/mrpt/datasets/localization_demo.simplemap.gz -o plane.ot").code,
+      0);
+  const auto r =
+      mapFusion("fuse " + pair("map_a.ot") + " plane.ot " + pair("map_b.ot") + " -o fused.ot");
+  EXPECT_EQ(r.code, 3) << r.out;
+  EXPECT_TRUE(fs::exists(dir_ / "fused.ot"));
+  EXPECT_EQ(mapFusion("fuse " + pair("map_a.ot") + " plane.ot " + " -o two.ot").code, 3);
+  EXPECT_FALSE(fs::exists(dir_ / "two.ot"));
+}
+
+TEST_F(Missions, AreListed) {
+  ASSERT_EQ(mapFusion("pack " + both() + " -o mission.rawlog").code, 0);
+  const auto r = mapFusion("info mission.rawlog");
+  EXPECT_EQ(r.code, 0);
+  EXPECT_NE(r.out.find("map_a"), std::string::npos);
+  EXPECT_NE(r.out.find("map_b"), std::string::npos);
+}
+
+TEST_F(Missions, ThatCannotBeUsedSayWhy) {
+  ASSERT_EQ(mapFusion("pack " + both() + " -o mission.rawlog").code, 0);
+  EXPECT_EQ(mapFusion("match mission.rawlog " + pair("map_b.ot")).code, 1) << "which of its maps?";
+  EXPECT_EQ(mapFusion("fuse " + pair("map_a.ot") + " -o fused.ot").code, 1) << "with what?";
+  EXPECT_EQ(mapFusion("fuse mission.rawlog --init \"[0 0 0 0 0 0]\" -o fused.ot").code, 2);
+  const auto twice = mapFusion("fuse mission.rawlog " + pair("map_b.ot") + " " + pair("map_a.ot") +
+                               " -o fused.ot");
+  EXPECT_EQ(twice.code, 1);
+  EXPECT_NE(twice.err.find("another map of 'map_b'"), std::string::npos) << twice.err;
+  ASSERT_EQ(run("head -c 100000 mission.rawlog > cut.rawlog").code, 0);
+  const auto cut = mapFusion("fuse cut.rawlog -o fused.ot");
+  EXPECT_EQ(cut.code, 1);
+  EXPECT_NE(cut.err.find("cut.rawlog: "), std::string::npos) << cut.err;
+  EXPECT_FALSE(fs::exists(dir_ / "fused.ot"));
+}
+
+}  // namespace
