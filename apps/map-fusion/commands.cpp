@@ -8,6 +8,7 @@
 #include <mrpt/maps/octree_io.h>
 #include <mrpt/maps/octree_resampling.h>
 #include <mrpt/slam/CProbabilisticMapMatching.h>
+#include <mrpt/slam/fusion_scene.h>
 #include <mrpt/slam/map_fusion.h>
 #include <mrpt/system/CTicTac.h>
 
@@ -17,6 +18,7 @@
 #include <iostream>
 #include <map>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include "output.h"
@@ -63,7 +65,7 @@ class Run {
     report_.command = args.command;
     std::vector<std::string> inputs = args.maps;
     inputs.insert(inputs.end(), {args.config, args.init, args.pose});
-    for (const auto& path : {args.output, args.pose_out, args.picture, args.json})
+    for (const auto& path : {args.output, args.pose_out, args.picture, args.scene, args.json})
       if (!path.empty()) checkWritable(path, inputs);
     if (!args.config.empty()) mrpt::maps::withPath(args.config, [this] { loadConfig(); });
     pmm_.setMinLoggingLevel(args.verbose ? mrpt::system::LVL_DEBUG : mrpt::system::LVL_ERROR);
@@ -85,16 +87,20 @@ class Run {
     loadBoth();
     const bool accepted = matchMaps();
     if (accepted || args_.force) {
-      saveFused(merged());
+      mergeMaps();
+      saveFused(*fused_);
     } else {
       std::cerr << "map-fusion: the match was rejected, nothing was merged (--force to merge)\n";
     }
+    draw();
     return finish(accepted);
   }
 
   int match() {
     loadBoth();
-    return finish(matchMaps());
+    const bool accepted = matchMaps();
+    draw();
+    return finish(accepted);
   }
 
   int evaluate() {
@@ -107,7 +113,8 @@ class Run {
 
   int merge() {
     loadBoth();
-    saveFused(merged());
+    mergeMaps();
+    saveFused(*fused_);
     draw();
     return finish(true);
   }
@@ -294,17 +301,15 @@ class Run {
     clock_.Tic();
     if (!args_.pose_out.empty())
       mrpt::maps::writeFileAtomically(args_.pose_out, toMatrixText(report_.pose->mean));
-    draw();
     return info.evaluation.accepted;
   }
 
-  CProbOctoMap merged() {
+  void mergeMaps() {
     progress_.show("merging");
     choosePolicy();
-    CProbOctoMap fused = pmm_.merge(*a_.map, *b_.map, report_.pose->mean);
+    fused_ = pmm_.merge(*a_.map, *b_.map, report_.pose->mean);
     progress_.clear();
     step("merge");
-    return fused;
   }
 
   void saveFused(const CProbOctoMap& fused) {
@@ -313,8 +318,34 @@ class Run {
     report_.maps.push_back(reportOn("fused", args_.output, fused.octree()));
   }
 
+  /** What was found, to look at. */
   void draw() {
-    if (args_.picture.empty()) return;
+    if (!args_.picture.empty()) drawPicture();
+    if (!args_.scene.empty()) drawScene();
+  }
+
+  void drawScene() {
+    const auto edgesOf = [this](const LoadedMap& map) {
+      const auto* edges = dynamic_cast<const CEdgeVoxelMap*>(map.map.get());
+      return edges ? edges->edges() : pmm_.edges(*map.map);
+    };
+    progress_.show("drawing");
+    const auto edges_a = edgesOf(a_), edges_b = edgesOf(b_);
+    const mrpt::fusion::Pairs none;
+    mrpt::slam::FusionView view{*a_.octree,
+                                *b_.octree,
+                                report_.pose->mean,
+                                report_.match ? report_.match->match.pairs : none,
+                                edges_a,
+                                edges_b,
+                                pmm_.options.evaluation.inlier_mahalanobis,
+                                fused_ ? &fused_->octree() : nullptr};
+    mrpt::maps::saveObject(*mrpt::slam::drawFusion(view), args_.scene);
+    progress_.clear();
+    step("scene");
+  }
+
+  void drawPicture() {
     std::vector<TopViewPanel> panels;
     if (report_.initial_pose)
       panels.push_back({"initial guess", mrpt::fusion::toEigen(*report_.initial_pose)});
@@ -350,6 +381,7 @@ class Run {
   CProbabilisticMapMatching pmm_;
   mrpt::system::CTicTac clock_;
   LoadedMap a_, b_;
+  std::optional<CProbOctoMap> fused_;
   Report report_;
 };
 

@@ -11,7 +11,7 @@ struct Arguments {
   std::string init, pose;          ///< POSE
   std::vector<double> init_sigma;  ///< m, deg; empty: as configured
   std::string output;              ///< map or point cloud
-  std::string pose_out, picture, json;
+  std::string pose_out, picture, scene, json;
   std::string config, section = "MappingApplication";
   std::string policy;     ///< empty: as configured
   double resolution = 0;  ///< m; 0: that of the input

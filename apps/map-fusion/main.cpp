@@ -73,6 +73,9 @@ class CommandLine {
   }
   void picture(CLI::App* sub) {
     sub->add_option("--picture", args_.picture, "draw both maps from above")->type_name("FILE.png");
+    sub->add_option("--scene", args_.scene,
+                    "write both maps, edges, matched pairs and the fused map for SceneViewer3D")
+        ->type_name("FILE.3Dscene");
   }
   void policy(CLI::App* sub) {
     sub->add_option("--policy", args_.policy, "value of voxels that both maps know")
@@ -162,8 +165,9 @@ int main(int argc, char** argv) {
 
   try {
     app.parse(argc, argv);
-    if (args.maps.size() != 2 && !(args.init + args.pose_out + args.picture).empty())
-      throw CLI::ValidationError("--init, --pose-out and --picture are for two maps, A and B");
+    if (args.maps.size() != 2 && !(args.init + args.pose_out + args.picture + args.scene).empty())
+      throw CLI::ValidationError(
+          "--init, --pose-out, --picture and --scene are for two maps, A and B");
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? kDone : kUsage;
   }

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/opengl/COctoMapVoxels.h>
+#include <mrpt/opengl/COpenGLScene.h>
+#include <mrpt/opengl/CSetOfLines.h>
+#include <mrpt/opengl/CSetOfObjects.h>
 #include <octomap/octomap.h>
 
 #include <memory>
@@ -133,6 +137,40 @@ TEST_F(Fusing, TakesTheSettingsOfAnIniFile) {
   EXPECT_EQ(mapFusion(arguments).code, 0);
   EXPECT_EQ(mapFusion(arguments + " --config settings.ini").code, 3)
       << "no conflict is allowed now";
+}
+
+TEST_F(Fusing, DrawsASceneOfNamedObjects) {
+  const auto r = mapFusion("fuse " + both() + " --init " + guess(1, 10) +
+                           " -o fused.ot --scene view.3Dscene --json report.json");
+  ASSERT_EQ(r.code, 0) << r.err;
+  mrpt::opengl::COpenGLScene scene;
+  ASSERT_TRUE(scene.loadFromFile((dir_ / "view.3Dscene").string()));
+  const Json j = report();
+  const auto voxelsOf = [&](const char* name) {
+    const auto voxels =
+        std::dynamic_pointer_cast<mrpt::opengl::COctoMapVoxels>(scene.getByName(name));
+    return voxels ? voxels->getVoxelCount(0) : 0;
+  };
+  EXPECT_EQ(voxelsOf("map A"), mapOf(j, "a").at("occupied_voxels"));
+  EXPECT_EQ(voxelsOf("map B"), mapOf(j, "b").at("occupied_voxels"));
+  EXPECT_EQ(voxelsOf("fused map"), mapOf(j, "fused").at("occupied_voxels"));
+  const auto linesOf = [&](const char* name) {
+    const auto lines = std::dynamic_pointer_cast<mrpt::opengl::CSetOfLines>(scene.getByName(name));
+    return lines ? lines->getLineCount() : 0;
+  };
+  EXPECT_EQ(linesOf("inliers"), j.at("match").at("inliers"));
+  EXPECT_EQ(linesOf("inliers") + linesOf("outliers"), j.at("match").at("pairs"));
+  for (const char* name : {"edges A", "edges B"}) {
+    const auto set = std::dynamic_pointer_cast<mrpt::opengl::CSetOfObjects>(scene.getByName(name));
+    ASSERT_TRUE(set) << name;
+    EXPECT_GT(set->getByClass<mrpt::opengl::CSetOfLines>()->getLineCount(), 1000U);
+  }
+  const auto truth = readMatrix(pair("T_a_b.txt"));
+  for (const char* name : {"map B", "edges B"}) {
+    const auto pose = scene.getByName(name)->getPose();
+    EXPECT_NEAR(pose.x, truth(0, 3), 0.1) << name;
+    EXPECT_NEAR(pose.y, truth(1, 3), 0.1) << name;
+  }
 }
 
 }  // namespace

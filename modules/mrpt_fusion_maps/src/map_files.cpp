@@ -366,7 +366,8 @@ std::vector<CObservationLocalMap::Ptr> loadLocalMaps(const std::string& path) {
 namespace {
 
 void saveBytes(std::string_view bytes, const std::string& path) {
-  if (mrpt::system::extractFileExtension(path) == "gz")
+  const std::string extension = mrpt::system::extractFileExtension(path);
+  if (extension == "gz" || extension == "3Dscene")
     writeFileAtomically(path, gzCompressed(bytes));
   else
     writeFileAtomically(path, bytes);
@@ -378,6 +379,12 @@ std::string_view bytesOf(mrpt::io::CMemoryStream& memory) {
 }
 
 }  // namespace
+
+void saveObject(const CSerializable& object, const std::string& path) {
+  mrpt::io::CMemoryStream memory;
+  mrpt::serialization::archiveFrom(memory) << object;
+  saveBytes(bytesOf(memory), path);
+}
 
 void saveLocalMaps(const std::vector<CObservationLocalMap::Ptr>& maps, const std::string& path) {
   mrpt::io::CMemoryStream memory;
@@ -394,11 +401,9 @@ void saveMap(const CMetricMap& map, const std::string& path) {
       throw std::runtime_error(path + ": a " + map.GetRuntimeClass()->className +
                                " cannot be saved as an octree");
     octomap->saveToOcTreeFile(path);
-    return;
+  } else {
+    saveObject(map, path);
   }
-  mrpt::io::CMemoryStream memory;
-  mrpt::serialization::archiveFrom(memory) << map;
-  saveBytes(bytesOf(memory), path);
 }
 
 }  // namespace mrpt::maps

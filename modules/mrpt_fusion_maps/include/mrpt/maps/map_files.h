@@ -72,6 +72,11 @@ std::vector<mrpt::obs::CObservationLocalMap::Ptr> loadLocalMaps(const std::strin
 void saveLocalMaps(const std::vector<mrpt::obs::CObservationLocalMap::Ptr>& maps,
                    const std::string& path);
 
+/** Saves any MRPT object so that all of the file is written or nothing; gz-compressed if it ends in
+ * `.gz` or, as MRPT's scenes are, in `.3Dscene`. \exception std::runtime_error "<path>: <reason>".
+ */
+void saveObject(const mrpt::serialization::CSerializable& object, const std::string& path);
+
 /** Saves a map so that all of the file is written or nothing: `.ot` and `.bt` by extension (for
  * maps that asProbOctoMap() knows), else as an MRPT-serialized object, gz-compressed if it ends in
  * `.gz`. \exception std::runtime_error "<path>: <reason>". */
