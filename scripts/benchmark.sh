@@ -93,6 +93,7 @@ run_experiments() {
     echo ablation "'$pair'" --stride "$(if $quick; then echo 62; else echo 4; fi)"
     echo anywhere "'$pair'" "$(stride 10)"
     echo verdicts "'$pair'" "$(stride 10)"
+    echo mixes "'$pair'" "$(stride 10)"
     echo merging "'$pair'"
     echo data "'$pair'"
   done | sed 's/ *$//' >"$out/experiments.txt" # xargs takes a blank at the end for a continued line

@@ -5,6 +5,7 @@
 #include <mrpt/fusion/evaluation.h>
 #include <mrpt/fusion/matching.h>
 #include <mrpt/fusion/merging.h>
+#include <mrpt/maps/octree_resampling.h>
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -225,7 +226,7 @@ void reduceOverlap(const MapPair& pair, const Effort& effort, std::ostream& csv)
     for (const Start& start : starts) {
       const auto poses =
           icpSteps(model.centre, scene.centre, poseOf(start, pair), kGate, kMaxIterations);
-      write("edge_icp", start, {poses.back(), kMaxIterations, std::nullopt});
+      write("edge_icp", start, {poses.back(), kMaxIterations, std::nullopt, 0, std::nullopt});
     }
   }
 }
@@ -286,7 +287,7 @@ MapPair randomParts(const MapPair& pair, std::mt19937& generator) {
 
 void judgeVerdicts(const MapPair& pair, const Effort& effort, std::ostream& csv) {
   constexpr unsigned kParts = 30, kImages = 10;
-  writeRow(csv, "dataset,guess,overlap,case,error_m,error_deg,probability,verdict");
+  writeRow(csv, "dataset,guess,overlap,case,error_m,error_deg,probability,nees,verdict");
   const auto judge = [&](const MapPair& of, bool has_truth, unsigned i) {
     const double overlap = has_truth ? trueOverlap(of) : 0;
     const auto write = [&](const char* method_name, const char* guess, const Start& start) {
@@ -296,7 +297,8 @@ void judgeVerdicts(const MapPair& pair, const Effort& effort, std::ostream& csv)
       PoseError error = errorOf(result.T_a_b, of);
       if (!has_truth) error.centre = std::numeric_limits<double>::infinity();
       writeRow(csv, pair.name, guess, overlap, i, error.centre, degrees(error.angle),
-               result.probability, verdictText(result.accepted));
+               result.probability, neesOf(result.T_a_b, result.covariance.value(), of),
+               verdictText(result.accepted));
     };
     write("anywhere", "none", randomStarts(1, 20, M_PI, i).front());
     write("default", "near", randomStarts(1, 1, mrpt::DEG2RAD(10.0), i).front());
@@ -310,6 +312,55 @@ void judgeVerdicts(const MapPair& pair, const Effort& effort, std::ostream& csv)
   MapPair image = pair;
   image.b = mirrored(*pair.b);
   for (unsigned i = 0; i < kImages; i += effort.stride) judge(image, false, kParts + i);
+}
+
+void mixMaps(const MapPair& pair, const Effort& effort, std::ostream& csv) {
+  writeRow(csv, "dataset,mix,start,error_m,error_deg,verdict");
+  const auto of = [&](const octomap::OcTree& map, double resolution) {
+    return std::shared_ptr<const octomap::OcTree>(
+        mrpt::maps::transformOcTree(map, Eigen::Isometry3d::Identity(), resolution));
+  };
+  const double d = pair.a->getResolution();
+  const float occupied = pair.b->getClampingThresMaxLog(), free = pair.b->getClampingThresMinLog();
+  const auto seen = [](const octomap::OcTreeKey& key) {  // a third, spread at random
+    return octomap::OcTreeKey::KeyHash()(key) * 2654435761U % 4294967296U < 4294967296U / 3;
+  };
+  const std::vector<std::pair<const char*, std::function<void(MapPair&)>>> mixes = {
+      {"B of half the voxel size", [&](MapPair& p) { p.b = of(*p.b, d / 2); }},
+      {"B of twice the voxel size", [&](MapPair& p) { p.b = of(*p.b, 2 * d); }},
+      {"A of twice and B of half",
+       [&](MapPair& p) {
+         p.a = of(*p.a, 2 * d);
+         p.b = of(*p.b, d / 2);
+       }},
+      {"both of twice the voxel size",
+       [&](MapPair& p) {
+         p.a = of(*p.a, 2 * d);
+         p.b = of(*p.b, 2 * d);
+       }},
+      {"B without probabilities",
+       [&](MapPair& p) {
+         p.b = changed(*p.b, [&](const auto&, float l) { return l >= 0 ? occupied : free; });
+       }},
+      {"B never clamped",
+       [](MapPair& p) { p.b = changed(*p.b, [](const auto&, float l) { return 4 * l; }); }},
+      {"B saw a third of the obstacles", [&](MapPair& p) {
+         p.b =
+             changed(*p.b, [&](const auto& key, float l) { return l < 0 || seen(key) ? l : NAN; });
+       }}};
+  const auto starts = every(5 * effort.stride, paperStarts());
+  for (const auto& [name, mix] : mixes) {
+    MapPair mixed = pair;
+    mix(mixed);
+    const auto method = makeMethod("default");
+    method->prepare(mixed);
+    for (const Start& start : starts) {
+      const Registration result = method->align(poseOf(start, pair));
+      const PoseError error = errorOf(result.T_a_b, pair);
+      writeRow(csv, pair.name, name, start.index, error.centre, degrees(error.angle),
+               verdictText(result.accepted));
+    }
+  }
 }
 
 void mergeByPolicy(const MapPair& pair, std::ostream& csv) {

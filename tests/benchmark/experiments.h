@@ -36,10 +36,14 @@ void reduceOverlap(const MapPair& pair, const Effort& effort, std::ostream& csv)
 void alignFromAnywhere(const MapPair& pair, const Effort& effort, std::ostream& csv);
 
 /** Whether verdicts can be trusted, and what the probability of being right is worth: matches
- * without a guess, from a near one and from a wrong one, of random parts of both maps, which overlap
- * by anything from all to nothing, and of map A with the mirror image of B, where no pose is right
- * (error: infinity). */
+ * without a guess, from a near one and from a wrong one, of random parts of both maps, which
+ * overlap by anything from all to nothing, and of map A with the mirror image of B, where no pose
+ * is right (error: infinity). With neesOf() each. */
 void judgeVerdicts(const MapPair& pair, const Effort& effort, std::ostream& csv);
+
+/** Maps that differ: of other voxel sizes, of occupied and free without probabilities, of
+ * probabilities that were never clamped, of a sensor that saw a third of the voxels. */
+void mixMaps(const MapPair& pair, const Effort& effort, std::ostream& csv);
 
 /** Table V: each merging policy at the true pose, also against the pair's reference map. */
 void mergeByPolicy(const MapPair& pair, std::ostream& csv);

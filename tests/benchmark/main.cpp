@@ -56,6 +56,7 @@ int run(int argc, char** argv) {
        [&](const MapPair& pair, std::ostream& csv) { alignFromAnywhere(pair, effort, csv); }},
       {"verdicts",
        [&](const MapPair& pair, std::ostream& csv) { judgeVerdicts(pair, effort, csv); }},
+      {"mixes", [&](const MapPair& pair, std::ostream& csv) { mixMaps(pair, effort, csv); }},
       {"merging", mergeByPolicy},
       {"ablation", [&](const MapPair& pair, std::ostream& csv) { ablate(pair, effort, csv); }},
       {"speed", [&](const MapPair& pair, std::ostream& csv) { compareSpeed(pair, effort, csv); }},

@@ -129,24 +129,55 @@ std::shared_ptr<const octomap::OcTree> cropMap(const octomap::OcTree& map,
   return part;
 }
 
-std::shared_ptr<const octomap::OcTree> mirrored(const octomap::OcTree& map) {
-  auto image = std::make_shared<octomap::OcTree>(map.getResolution());
-  mrpt::maps::OcTreeAccess::setSensorModel(*image, mrpt::maps::OcTreeAccess::sensorModel(map));
-  const auto last = std::numeric_limits<octomap::key_type>::max();
+namespace {
+
+/** A tree of the finest voxels of another: `f(tree, key, log_odds)` puts each where it belongs. */
+template <class F>
+std::shared_ptr<const octomap::OcTree> voxelByVoxel(const octomap::OcTree& map, F&& f) {
+  auto result = std::make_shared<octomap::OcTree>(map.getResolution());
+  mrpt::maps::OcTreeAccess::setSensorModel(*result, mrpt::maps::OcTreeAccess::sensorModel(map));
   for (auto leaf = map.begin_leafs(); leaf != map.end_leafs(); ++leaf) {
     const octomap::OcTreeKey low = leaf.getIndexKey();
     const int side = 1 << (map.getTreeDepth() - leaf.getDepth());
     for (int x = 0; x < side; x++)
       for (int y = 0; y < side; y++)
         for (int z = 0; z < side; z++)
-          image->setNodeValue(octomap::OcTreeKey(static_cast<octomap::key_type>(last - low[0] - x),
-                                                 static_cast<octomap::key_type>(low[1] + y),
-                                                 static_cast<octomap::key_type>(low[2] + z)),
-                              leaf->getLogOdds(), true);
+          f(*result,
+            octomap::OcTreeKey(static_cast<octomap::key_type>(low[0] + x),
+                               static_cast<octomap::key_type>(low[1] + y),
+                               static_cast<octomap::key_type>(low[2] + z)),
+            leaf->getLogOdds());
   }
-  image->updateInnerOccupancy();
-  image->prune();
-  return image;
+  result->updateInnerOccupancy();
+  result->prune();
+  return result;
+}
+
+}  // namespace
+
+std::shared_ptr<const octomap::OcTree> mirrored(const octomap::OcTree& map) {
+  return voxelByVoxel(map, [](octomap::OcTree& image, octomap::OcTreeKey key, float log_odds) {
+    key[0] = static_cast<octomap::key_type>(std::numeric_limits<octomap::key_type>::max() - key[0]);
+    image.setNodeValue(key, log_odds, true);
+  });
+}
+
+std::shared_ptr<const octomap::OcTree> changed(
+    const octomap::OcTree& map,
+    const std::function<float(const octomap::OcTreeKey& key, float log_odds)>& change) {
+  return voxelByVoxel(map, [&](octomap::OcTree& result, const octomap::OcTreeKey& key, float was) {
+    const float log_odds = change(key, was);
+    if (!std::isnan(log_odds)) result.setNodeValue(key, 0.F, true)->setLogOdds(log_odds);
+  });
+}
+
+double neesOf(const Eigen::Isometry3d& T_a_b, const Eigen::Matrix<double, 6, 6>& covariance,
+              const MapPair& pair) {
+  const Eigen::Isometry3d off = pair.T_a_b * T_a_b.inverse();
+  const Eigen::AngleAxisd turn(off.linear());
+  Eigen::Matrix<double, 6, 1> error;
+  error << off.translation(), turn.angle() * turn.axis();
+  return error.dot(covariance.ldlt().solve(error));
 }
 
 double trueOverlap(const MapPair& pair) {

@@ -4,6 +4,7 @@
 #include <octomap/OcTree.h>
 
 #include <Eigen/Geometry>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -51,6 +52,16 @@ struct PoseError {
   double angle = 0;   ///< rad
 };
 PoseError errorOf(const Eigen::Isometry3d& T_a_b, const MapPair& pair);
+
+/** The normalised estimation error squared: the error by a covariance of a left perturbation
+ * (translation, rotation); its mean is 6 where the covariance means what it says. */
+double neesOf(const Eigen::Isometry3d& T_a_b, const Eigen::Matrix<double, 6, 6>& covariance,
+              const MapPair& pair);
+
+/** A map with each leaf's log-odds as \a change has it; what becomes NaN is unknown. */
+std::shared_ptr<const octomap::OcTree> changed(
+    const octomap::OcTree& map,
+    const std::function<float(const octomap::OcTreeKey& key, float log_odds)>& change);
 
 /** The part of a map, known space and all, on the side of a plane where `direction . p > offset`
  * (m; a leaf of several voxels is divided). */

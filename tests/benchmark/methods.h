@@ -22,6 +22,8 @@ struct Registration {
   unsigned iterations = 0;
   std::optional<bool> accepted;  ///< the method's own verdict, if it gives one
   double probability = 0;        ///< of being right, as the method has it
+  /** Of a left perturbation (translation, rotation), if the method gives one. */
+  std::optional<Eigen::Matrix<double, 6, 6>> covariance;
 };
 
 class Method {

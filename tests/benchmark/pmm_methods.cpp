@@ -21,7 +21,7 @@ class Matching : public Method {
     const Evaluation evaluation =
         evaluateMatch(a_, b_, result.pairs, result.T_a_b, settings_.evaluation, result.runnerUp());
     return {result.T_a_b, static_cast<unsigned>(result.iterations.size()), evaluation.accepted,
-            evaluation.probability};
+            evaluation.probability, result.covariance};
   }
 
  private:

@@ -33,12 +33,13 @@ COLUMNS = {
     "edge_iterations": "dataset method start iteration error_m error_deg mse_m2",
     "overlap": "dataset method cut_m overlap start error_m error_deg verdict",
     "anywhere": "dataset band overlap start error_m error_deg cpu_s verdict",
-    "verdicts": "dataset guess overlap case error_m error_deg probability verdict",
+    "verdicts": "dataset guess overlap case error_m error_deg probability nees verdict",
+    "mixes": "dataset mix start error_m error_deg verdict",
     "merging": "dataset policy size entropy_occupied entropy_known log_loss brier f1"
                " building_log_loss building_brier building_f1",
     "ablation": "dataset variant starts success strict median_m median_deg median_cpu_s",
 }
-TEXT_COLUMNS = {"dataset", "method", "band", "guess", "case", "start", "verdict", "truth", "policy", "variant"}
+TEXT_COLUMNS = {"dataset", "method", "band", "guess", "case", "mix", "start", "verdict", "truth", "policy", "variant"}
 NAMES = {
     "icp": "PCL ICP", "icp_plane": "PCL point-to-plane", "gicp": "PCL GICP", "ndt": "PCL NDT",
     "first_level": "PMM, first level", "pmm_paper": "PMM as published",
@@ -241,6 +242,14 @@ def ratio_to_ours(results):
     return ratio
 
 
+def nees_of_right(function):
+    """A column: a statistic of the normalised estimation errors squared of the right poses."""
+    def of_right(rows):
+        right = column(rows, "nees")[within(rows, LOOSE, "error_m", "error_deg")]
+        return number(function(right) if right.size else np.nan, ".1f")
+    return of_right
+
+
 def by_probability(rows):
     """The rows in order of their probability, each with the range that it lies in."""
     bounds = [0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.9, 0.95, 1]
@@ -309,7 +318,14 @@ def simple_tables(results):
             "Verdicts on matches of random parts of both maps and of a mirror image.",
             results["verdicts"], ["dataset", "guess"], [
                 ("Matches", lambda rows: number(len(rows), ".0f")),
-                ("Right", good(LOOSE, *errors)), *verdicts(*errors)]),
+                ("Right", good(LOOSE, *errors)), *verdicts(*errors),
+                ("NEES of right ones, mean", nees_of_right(np.mean)), ("Median", nees_of_right(np.median))]),
+        "mixes": (
+            "Maps that differ, from every fifth of the 125 starts.",
+            results["mixes"], ["dataset", "mix"], [
+                (LOOSE_TITLE, good(LOOSE, *errors)), (STRICT_TITLE, good(STRICT, *errors)),
+                ("Median, m", typical("error_m", ".3f")), ("Median, °", typical("error_deg", ".2f")),
+                *verdicts(*errors)]),
         "reliability": (
             "What the probability of being right is worth: matches by what it was, and how many"
             " of them were right.", by_probability(results["verdicts"]), ["stated"], [
