@@ -32,10 +32,9 @@ double acceptanceThreshold(double overlap) { return std::clamp(0.9 - overlap / 2
 
 double probabilityOfBeingRight(double overlap, double conflict_ratio, double runner_up,
                                double inlier_ratio) {
-  constexpr double kLeastOverlap = 1e-3, kNoRival = 0.02;
-  const double log_odds = -20.81 + 1.584 * std::log(std::max(overlap, kLeastOverlap)) -
-                          30.24 * conflict_ratio - 1.493 * std::log(runner_up + kNoRival) +
-                          22.72 * inlier_ratio;
+  constexpr double kLeastOverlap = 1e-3;
+  const double log_odds = -15.57 + 1.845 * std::log(std::max(overlap, kLeastOverlap)) -
+                          29.31 * conflict_ratio - 8.085 * runner_up + 22.91 * inlier_ratio;
   return 1 / (1 + std::exp(-log_odds));
 }
 

@@ -342,6 +342,31 @@ class PoseComparison {
 
 }  // namespace
 
+namespace {
+
+/** Compares the poses that rival with the best once more, by so many voxels that they differ by
+ * more than chance. */
+void compareRivals(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& association,
+                   const MatchParams& params, std::vector<RankedPose>& hypotheses) {
+  constexpr double kLeast = 0.05;  // of the best's agreement
+  constexpr size_t kMost = 4, kVoxels = 5000;
+  std::vector<Eigen::Isometry3d> poses;
+  for (const RankedPose& h : hypotheses)
+    if (poses.size() < kMost && h.agreement > kLeast * hypotheses.front().agreement)
+      poses.push_back(h.T_a_b);
+  if (poses.size() < 2) return;
+  auto compared = PoseComparison(a, b, association, params, kVoxels).ranked(poses);
+  // The others stay as far behind as they were.
+  const double scale = compared.front().agreement / hypotheses.front().agreement;
+  for (size_t i = poses.size(); i < hypotheses.size(); i++) {
+    hypotheses[i].agreement *= scale;
+    compared.push_back(hypotheses[i]);
+  }
+  hypotheses = distinct(std::move(compared), meanOf(b.matched.voxels.centre));
+}
+
+}  // namespace
+
 MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
                       const MatchParams& params, const OnIteration& on_iteration) {
   if (isEmpty(a, b) || params.search.translation <= 0)
@@ -368,6 +393,7 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
     for (size_t i = 0; i < std::min(best.size(), kMostByMany); i++) starts.push_back(best[i].T_a_b);
   }
   result.hypotheses = by_many.ranked(starts);
+  compareRivals(a, b, association, params, result.hypotheses);
   result.T_a_b = result.hypotheses.front().T_a_b;
   const double final_gate = std::max(params.voxel_level.final_gate, twoVoxels(a, b));
   matchVoxels(a, b, association, std::min(params.voxel_level.gate, final_gate), params, result,

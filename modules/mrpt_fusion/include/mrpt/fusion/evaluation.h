@@ -20,7 +20,7 @@ struct EvaluationParams {
   double min_overlap = 0.02;        ///< least overlap; below it there is nothing to judge by
   /** Largest agreement of another pose, as a share of that of the pose found. */
   double max_runner_up = 0.75;
-  double min_probability = 0.8;  ///< of being right, see probabilityOfBeingRight()
+  double min_probability = 0.85;  ///< of being right, see probabilityOfBeingRight()
 };
 
 /** Voxels that one map has occupied, at their place in the other map. */
