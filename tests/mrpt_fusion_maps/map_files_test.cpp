@@ -2,7 +2,9 @@
 #include <mrpt/config/CConfigFileMemory.h>
 #include <mrpt/core/Clock.h>
 #include <mrpt/io/CFileGZOutputStream.h>
+#include <mrpt/maps/CColouredOctoMap.h>
 #include <mrpt/maps/CMultiMetricMap.h>
+#include <mrpt/maps/COccupancyGridMap3D.h>
 #include <mrpt/maps/COctoMap.h>
 #include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/maps/map_files.h>
@@ -293,6 +295,33 @@ TEST(AsProbOctoMap, IsTheMapItselfOrItsConversion) {
   EXPECT_EQ(nullptr, asProbOctoMap(CMultiMetricMap()));
 }
 
+TEST(AsProbOctoMap, TakesColouredOctomapsAndGridsOfCells) {
+  const auto ours = std::make_shared<CProbOctoMap>(smallTree());
+  const auto coloured = ours->toColouredOctoMap();
+  for (const auto& map : {asProbOctoMap(*coloured), asProbOctoMap(several({coloured}))}) {
+    ASSERT_TRUE(map);
+    EXPECT_TRUE(sameTree(ours->octree(), map->octree()));
+  }
+  const auto grid = std::make_shared<COccupancyGridMap3D>();
+  ours->toOccupancyGrid(*grid);
+  const CProbOctoMap quantised(*grid);
+  EXPECT_FALSE(quantised.isEmpty());
+  for (const auto& map : {asProbOctoMap(*grid), asProbOctoMap(several({grid}))}) {
+    ASSERT_TRUE(map);
+    EXPECT_TRUE(sameTree(quantised.octree(), map->octree()));
+  }
+  // Whatever comes first, the one that has lost nothing is taken.
+  EXPECT_EQ(ours.get(), asProbOctoMap(several({grid, coloured, ours})).get());
+  EXPECT_TRUE(sameTree(ours->octree(), asProbOctoMap(several({grid, coloured}))->octree()));
+}
+
+TEST_F(MapFiles, LoadsSerializedGridsOfCells) {
+  const CProbOctoMap ours(sceneTree(0.1, 5));
+  COccupancyGridMap3D grid;
+  ours.toOccupancyGrid(grid);
+  expectLoads(CProbOctoMap(grid), serialized(grid));
+}
+
 // ---------------------------------------------------------------- recordings
 
 TEST_F(MapFiles, InterpolatesTheRobotPosesOfARawlogOfObservations) {
@@ -423,6 +452,28 @@ TEST_F(MapFiles, ADefinitionWithoutAMapOrWithoutAnOctomapIsAnError) {
   EXPECT_TRUE(saysWhatIsWrong(errorOf([&] { loadMap(path, params); }), path));
 }
 
+TEST_F(MapFiles, AMapClassThatIsMisspeltIsNamed) {
+  const std::string path = file("a.rawlog", bytesOf(recording()));
+  BuildParams params;
+  params.section = "Robot";
+  for (const std::string name : {"probOctmap", "octomaps", "mrpt::maps::COctomapp", ""}) {
+    const CConfigFileMemory ini("[Robot]\nprobOctoMap_count = 1\n" + name + "_count = 1\n");
+    params.config = &ini;
+    const std::string error = errorOf([&] { buildMap(path, params); });
+    EXPECT_TRUE(saysWhatIsWrong(error, path));
+    const std::string expected =
+        "the section [Robot] asks for '" + name + "', which is no map class";
+    EXPECT_NE(std::string::npos, error.find(expected)) << error;
+  }
+  for (const std::string name :
+       {"pointsMap", "POINTSMAP", "CSimplePointsMap", "mrpt::maps::CSimplePointsMap"}) {
+    const CConfigFileMemory ini("[Robot]\nprobOctoMap_count = 1\n" + name +
+                                "_count = 0\ncounter = 2\n");
+    params.config = &ini;
+    EXPECT_NO_THROW(buildMap(path, params)) << name;
+  }
+}
+
 TEST_F(MapFiles, OnlyRecordingsAreBuilt) {
   for (const std::string& bytes : {toOtFile(*smallTree()), serialized(CProbOctoMap(smallTree()))}) {
     const std::string path = file("map", bytes);
@@ -452,8 +503,16 @@ TEST_F(MapFiles, TheReasonOfMrptsExceptionsIsTheirMessageNotTheirTitle) {
   const std::string path = file("unknown_class", unknown_class);
   expectRefused(path);
   EXPECT_NE(std::string::npos, errorOf([&] { loadMap(path); }).find("CPose9D"));
+  // Of those that MRPT packs into each other, the one that was thrown first.
+  std::string newer = serialized(CProbOctoMap(smallTree()));
+  newer[newer.find("CProbOctoMap") + 12] = 1;
+  const std::string newer_path = file("newer", newer);
+  expectRefused(newer_path);
+  EXPECT_NE(std::string::npos, errorOf([&] {
+                                 loadMap(newer_path);
+                               }).find("unknown serialization version number: '1'"));
   const std::string text = file("text", "Dear reader,\nthis is not a map.\n");
-  for (const std::string& p : {path, text}) {
+  for (const std::string& p : {path, newer_path, text}) {
     const std::string error = errorOf([&] { loadMap(p); });
     EXPECT_EQ(std::string::npos, error.find("==== MRPT exception")) << error;
   }

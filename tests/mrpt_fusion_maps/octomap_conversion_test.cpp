@@ -1,18 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/maps/CColouredOctoMap.h>
 #include <mrpt/maps/COctoMap.h>
+#include <mrpt/maps/octree_resampling.h>
 
 #include "observations.h"
 #include "test_tools.h"
 
 using namespace map_tests;
+using mrpt::maps::CColouredOctoMap;
 using mrpt::maps::COctoMap;
 using mrpt::maps::CProbOctoMap;
+using mrpt::poses::CPose3D;
 
 namespace {
 
 /** A map with values of many hits and misses, lone voxels and pruned leaves. */
-COctoMap theirMap() {
-  COctoMap map(0.1);
+template <class Map = COctoMap>
+Map theirMap() {
+  Map map(0.1);
   map.setProbHit(0.73);
   map.setProbMiss(0.37);
   map.setClampingThresMin(0.02);
@@ -300,5 +305,136 @@ TEST(ToOctoMap, LogOddsWithoutAProbabilityThrowAndLeaveTheTargetAsItWas) {
     const auto before = occupanciesOf(theirs);
     EXPECT_ANY_THROW(mapWithValues({1.0F, v}).toOctoMap(theirs)) << v;
     EXPECT_TRUE(sameVoxels(before, occupanciesOf(theirs))) << v;
+  }
+}
+
+// ---------------------------------------------------------------- CColouredOctoMap
+
+namespace {
+
+using Colour = std::array<int, 3>;
+const Colour kUnset = {255, 255, 255};  // octomap's
+const Colour kRed = {200, 20, 40}, kGreen = {10, 180, 60}, kBlue = {0, 30, 240};
+
+double coordinateOf(int voxel, double resolution = 0.1) { return (voxel + 0.5) * resolution; }
+
+/** The colour of a voxel; nothing is known of it if that is all -1. */
+Colour colourOf(const CColouredOctoMap& map, const VoxelIndex& v) {
+  uint8_t r = 0, g = 0, b = 0;
+  const auto at = [&](int axis) {
+    return static_cast<float>(coordinateOf(v[axis], map.getResolution()));
+  };
+  if (!map.getPointColour(at(0), at(1), at(2), r, g, b)) return {-1, -1, -1};
+  return {r, g, b};
+}
+
+void paint(CColouredOctoMap& map, const VoxelIndex& v, const Colour& c, bool occupied = true) {
+  const double res = map.getResolution();
+  const double x = coordinateOf(v[0], res), y = coordinateOf(v[1], res),
+               z = coordinateOf(v[2], res);
+  map.setVoxelColourMethod(CColouredOctoMap::SET);
+  map.updateVoxel(x, y, z, occupied);
+  map.updateVoxelColour(x, y, z, static_cast<uint8_t>(c[0]), static_cast<uint8_t>(c[1]),
+                        static_cast<uint8_t>(c[2]));
+}
+
+/** The voxels of a map that has one value each, not next to each other. */
+CProbOctoMap mapOf(const std::vector<VoxelIndex>& voxels) {
+  auto tree = std::make_unique<octomap::OcTree>(0.1);
+  for (const auto& v : voxels) putVoxel(*tree, v, 1.5F);
+  finish(*tree);
+  return CProbOctoMap(std::move(tree));
+}
+
+}  // namespace
+
+TEST(ColouredOctoMap, GivesTheOccupancyThatACOctoMapGives) {
+  const CProbOctoMap expected(theirMap()), map(theirMap<CColouredOctoMap>());
+  EXPECT_TRUE(sameTree(expected.octree(), map.octree()));
+  EXPECT_EQ(map_tests::sensorModelBits(expected.octree()),
+            map_tests::sensorModelBits(map.octree()));
+  EXPECT_TRUE(CProbOctoMap(CColouredOctoMap(0.25)).isEmpty());
+}
+
+TEST(ColouredOctoMap, ThereAndBackKeepsEveryLeafBitForBit) {
+  const CProbOctoMap map(sceneTree(0.1, 12));
+  const auto theirs = map.toColouredOctoMap();
+  EXPECT_TRUE(sameTree(map.octree(), CProbOctoMap(*theirs).octree()));
+  COctoMap plain(0.1);
+  map.toOctoMap(plain);
+  EXPECT_TRUE(sameVoxels(occupanciesOf(plain), occupanciesOf(*theirs)));
+}
+
+TEST(ColouredOctoMap, EachVoxelTakesTheColourOfTheSourceAtItsPlace) {
+  const std::vector<VoxelIndex> voxels = {{0, 0, 0}, {5, 0, 0}, {10, 0, 0}, {15, 0, 0}};
+  CColouredOctoMap source(0.1);
+  paint(source, voxels[0], kRed);
+  paint(source, voxels[1], kGreen);
+  paint(source, voxels[2], kBlue, false);  // free: not the colour of an obstacle
+  source.updateVoxel(coordinateOf(15), coordinateOf(0), coordinateOf(0), true);  // without colour
+  const auto coloured = mapOf(voxels).toColouredOctoMap({{source, CPose3D()}});
+  EXPECT_EQ(kRed, colourOf(*coloured, voxels[0]));
+  EXPECT_EQ(kGreen, colourOf(*coloured, voxels[1]));
+  EXPECT_EQ(kUnset, colourOf(*coloured, voxels[2]));
+  EXPECT_EQ(kUnset, colourOf(*coloured, voxels[3]));
+}
+
+TEST(ColouredOctoMap, WhereSeveralSourcesHaveAColourItIsTheirMean) {
+  CColouredOctoMap a(0.1), b(0.1);
+  paint(a, {0, 0, 0}, kRed);
+  paint(b, {3, 0, 0}, kGreen);
+  paint(b, {8, 0, 0}, kBlue);
+  const auto coloured = mapOf({{0, 0, 0}, {5, 0, 0}})
+                            .toColouredOctoMap({{a, CPose3D()}, {b, CPose3D(-0.3, 0, 0, 0, 0, 0)}});
+  EXPECT_EQ((Colour{105, 100, 50}), colourOf(*coloured, {0, 0, 0}));
+  EXPECT_EQ(kBlue, colourOf(*coloured, {5, 0, 0}));
+}
+
+TEST(ColouredOctoMap, APrunedLeafTakesTheMeanOfItsVoxels) {
+  std::vector<VoxelIndex> block;
+  for (int i = 0; i < 8; i++) block.push_back({i & 1, (i >> 1) & 1, i >> 2});
+  CColouredOctoMap source(0.1);
+  for (int i = 0; i < 4; i++) paint(source, block[i], i < 2 ? kRed : kGreen);
+  const CProbOctoMap map = mapOf(block);
+  ASSERT_EQ(1U, map.getNumLeafNodes());
+  CProbOctoMap expanded = map;  // ours need not be pruned for it
+  expanded.octree().expand();
+  for (const CProbOctoMap* m : {&map, static_cast<const CProbOctoMap*>(&expanded)}) {
+    const auto coloured = m->toColouredOctoMap({{source, CPose3D()}});
+    for (const auto& v : block) EXPECT_EQ((Colour{105, 100, 50}), colourOf(*coloured, v));
+  }
+}
+
+TEST(ColouredOctoMap, AMapThatIsTurnedAndResampledKeepsAColourAtEachVoxel) {
+  for (const double resolution : {0.1, 0.17, 0.06}) {
+    const CProbOctoMap map(sceneTree(0.1, 13));
+    const auto source = map.toColouredOctoMap();
+    for (const auto& [v, log_odds] : voxelsOf(map.octree()))
+      if (log_odds >= 0) {
+        const Colour& c = v[0] < 0 ? kRed : kBlue;  // of a leaf, pruned or not: all on one side
+        source->setVoxelColourMethod(CColouredOctoMap::SET);
+        source->updateVoxelColour(coordinateOf(v[0]), coordinateOf(v[1]), coordinateOf(v[2]),
+                                  static_cast<uint8_t>(c[0]), static_cast<uint8_t>(c[1]),
+                                  static_cast<uint8_t>(c[2]));
+      }
+    const CPose3D pose(0.53, -1.21, 0.34, 0.6, 0.1, -0.05);
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.linear() = pose.getRotationMatrix().asEigen();
+    T.translation() = Eigen::Vector3d(pose.x(), pose.y(), pose.z());
+    const CProbOctoMap moved(mrpt::maps::transformOcTree(map.octree(), T, resolution));
+    const auto coloured = moved.toColouredOctoMap({{*source, pose}});
+    size_t occupied = 0;
+    for (const auto& [v, log_odds] : voxelsOf(moved.octree())) {
+      if (log_odds < 0) continue;
+      occupied++;
+      const auto back =
+          pose.inverseComposePoint({coordinateOf(v[0], resolution), coordinateOf(v[1], resolution),
+                                    coordinateOf(v[2], resolution)});
+      const Colour c = colourOf(*coloured, v);
+      ASSERT_NE(kUnset, c) << resolution;
+      if (std::abs(back.x) < 0.7) continue;  // where both colours may be near
+      ASSERT_EQ(back.x < 0 ? kRed : kBlue, c) << resolution << " at " << back.x;
+    }
+    EXPECT_GT(occupied, 500U);
   }
 }

@@ -100,13 +100,62 @@ TEST(ProbOctoMapDefinition, ADefinedMapTakesTheObservationsOfItsSet) {
   EXPECT_TRUE(sameTree(alone.octree(), maps.mapByClass<CProbOctoMap>()->octree()));
 }
 
-TEST(ProbOctoMapDefinition, OptionsOutOfRangeThrow) {
-  const std::string ini =
-      "[Mapping]\nprobOctoMap_count = 1\n[Mapping_probOctoMap_00_insertOpts]\nprobHit = 1.5\n";
-  EXPECT_ANY_THROW(mapsOf(ini));
-  EXPECT_ANY_THROW(
-      mapsOf("[Mapping]\nprobOctoMap_count = 1\n"
-             "[Mapping_probOctoMap_00_creationOpts]\nresolution = 0\n"));
+TEST(ProbOctoMapDefinition, TheGenericOptionsOfMapsAreItsOwnToo) {
+  const CMultiMetricMap maps = mapsOf(
+      "[Mapping]\nprobOctoMap_count = 1\n[Mapping_probOctoMap_00_creationOpts]\n"
+      "enableSaveAs3DObject = false\nenableObservationLikelihood = false\n"
+      "enableObservationInsertion = false\n");
+  const auto& generic = maps.mapByClass<CProbOctoMap>()->genericMapParams;
+  EXPECT_FALSE(generic.enableSaveAs3DObject);
+  EXPECT_FALSE(generic.enableObservationLikelihood);
+  EXPECT_FALSE(generic.enableObservationInsertion);
+}
+
+TEST(ProbOctoMapDefinition, KeysAreFoundWhateverTheirCase) {
+  const CMultiMetricMap maps = mapsOf(
+      "[Mapping]\nPROBoctomap_count = 1\n"
+      "[Mapping_probOctoMap_00_insertOpts]\nProbHit = 0.9\n");
+  EXPECT_EQ(0.9, maps.mapByClass<CProbOctoMap>()->insertionOptions.probHit);
+}
+
+TEST(ProbOctoMapDefinition, UnknownKeysAndValuesOutOfRangeAreNamedWithTheirSection) {
+  const struct {
+    std::string section, line, named;
+  } kBad[] = {{"creationOpts", "resolutoin = 0.1", "resolutoin"},
+              {"creationOpts", "resolution = 0", "resolution = 0"},
+              {"creationOpts", "resolution = -0.1", "resolution = -0.1"},
+              {"creationOpts", "resolution = fine", "resolution = fine"},
+              {"creationOpts", "resolution = 0.1 m", "resolution = 0.1 m"},
+              {"insertOpts", "probhits = 0.7", "probhits"},
+              {"insertOpts", "probHit = 1.5", "probHit = 1.5"},
+              {"insertOpts", "probHit = 1", "probHit = 1"},
+              {"insertOpts", "probHit = 0.4", "probHit = 0.4"},
+              {"insertOpts", "probMiss = nan", "probMiss = nan"},
+              {"insertOpts", "clampingThresMin = 0.98", "clampingThresMin = 0.98"},
+              {"insertOpts", "maxrange = 0", "maxrange = 0"},
+              {"insertOpts", "maxrange = -0.5", "maxrange = -0.5"},
+              {"insertOpts", "pruning = ture", "pruning = ture"},
+              {"likelihoodOpts", "decimate = 3", "decimate"},
+              {"likelihoodOpts", "decimation = 0", "decimation = 0"},
+              {"likelihoodOpts", "decimation = -1", "decimation = -1"},
+              {"likelihoodOpts", "decimation = 2.5", "decimation = 2.5"}};
+  for (const auto& bad : kBad) {
+    const std::string section = "Mapping_probOctoMap_00_" + bad.section;
+    const std::string error = errorOf(
+        [&] { mapsOf("[Mapping]\nprobOctoMap_count = 1\n[" + section + "]\n" + bad.line + "\n"); });
+    EXPECT_NE(std::string::npos, error.find("[" + section + "]")) << bad.line << ": " << error;
+    EXPECT_NE(std::string::npos, error.find(bad.named)) << bad.line << ": " << error;
+  }
+}
+
+TEST(ProbOctoMapDefinition, OptionsThatAreRefusedChangeNothing) {
+  CProbOctoMap::TInsertionOptions options;
+  options.probHit = 0.8;
+  EXPECT_ANY_THROW(options.loadFromConfigFile(
+      CConfigFileMemory(std::string("[o]\nmaxrange = 5\nprobHit = 0.9\nprobMiss = 0.6\n")), "o"));
+  EXPECT_EQ(-1, options.maxrange);
+  EXPECT_EQ(0.8, options.probHit);
+  EXPECT_EQ(0.4, options.probMiss);
 }
 
 TEST(ProbOctoMapDefinition, ItsTextNamesEveryOption) {
@@ -130,6 +179,11 @@ TEST(ProbOctoMapDefinition, InsertionOptionsComeBackFromTheConfigFileTheyAreSave
   saved.clampingThresMax = 0.94;
   CConfigFileMemory file;
   saved.saveToConfigFile(file, "section");
+  size_t comments = 0;  // what each means
+  std::istringstream lines(file.getContent());
+  for (std::string line; std::getline(lines, line);)
+    comments += line.find('=') < line.find("//") && line.find("//") + 10 < line.size();
+  EXPECT_EQ(7U, comments) << file.getContent();
   // From the text, as a file would be: MRPT pads the names of keys until they are parsed.
   loaded.loadFromConfigFile(CConfigFileMemory(file.getContent()), "section");
   EXPECT_EQ(saved.maxrange, loaded.maxrange);

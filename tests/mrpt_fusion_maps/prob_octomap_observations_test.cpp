@@ -2,6 +2,7 @@
 #include <mrpt/config/CConfigFileMemory.h>
 #include <mrpt/maps/COctoMap.h>
 #include <mrpt/obs/CObservationOdometry.h>
+#include <mrpt/obs/CObservationRange.h>
 #include <mrpt/obs/CObservationVelodyneScan.h>
 #include <mrpt/obs/CRawlog.h>
 
@@ -295,9 +296,14 @@ TEST(ProbOctoMapObservations, OtherKindsAreRefusedAndChangeNothing) {
   const CObservation3DRangeScan without_points;
   const CObservationPointCloud without_cloud;
   const CObservationOdometry odometry;
-  for (const CObservation* obs : {static_cast<const CObservation*>(&odometry),
-                                  static_cast<const CObservation*>(&without_points),
-                                  static_cast<const CObservation*>(&without_cloud)}) {
+  CObservationRange sonar;  // of a cone, not of points: COctoMap does not take it either
+  sonar.sensedData.resize(1);
+  sonar.sensedData[0].sensedDistance = 1;
+  EXPECT_FALSE(COctoMap(0.1).insertObservation(sonar));
+  for (const CObservation* obs :
+       {static_cast<const CObservation*>(&odometry), static_cast<const CObservation*>(&sonar),
+        static_cast<const CObservation*>(&without_points),
+        static_cast<const CObservation*>(&without_cloud)}) {
     EXPECT_FALSE(map.insertObservation(*obs)) << obs->GetRuntimeClass()->className;
     EXPECT_TRUE(sameNodes(before, nodesOf(map.octree())));
     EXPECT_EQ(0, map.computeObservationLikelihood(*obs, CPose3D()));
@@ -312,6 +318,35 @@ TEST(ProbOctoMapObservations, InsertionCanBeSwitchedOff) {
   map.genericMapParams.enableObservationInsertion = false;
   EXPECT_FALSE(map.insertObservation(*scan2d()));
   EXPECT_TRUE(map.isEmpty());
+}
+
+TEST(ProbOctoMapObservations, LikelihoodCanBeSwitchedOffAsInCOctoMap) {
+  CProbOctoMap ours(0.1);
+  COctoMap theirs(0.1);
+  const auto check = [&](auto& map) {
+    map.insertObservation(*scan2d());
+    EXPECT_TRUE(map.canComputeObservationLikelihood(*scan2d()));
+    EXPECT_LT(map.computeObservationLikelihood(*scan2d(), CPose3D()), 0);
+    map.genericMapParams.enableObservationLikelihood = false;
+    EXPECT_FALSE(map.canComputeObservationLikelihood(*scan2d()));
+    EXPECT_EQ(0, map.computeObservationLikelihood(*scan2d(), CPose3D()));
+  };
+  check(theirs);
+  check(ours);
+}
+
+TEST(ProbOctoMapObservations, PointsOfNoSensorAreOneHitEach) {
+  mrpt::maps::CSimplePointsMap points;
+  for (const float x : {0.01F, 0.05F, 0.09F, 1.02F}) points.insertPoint(x, 0.03F, 0.04F);
+  CProbOctoMap map(0.1), expected(0.1);
+  map.insertionOptions.probHit = expected.insertionOptions.probHit = 0.6;
+  map.insertPointCloud(points);
+  for (int i = 0; i < 3; i++) expected.updateVoxel(0.05, 0.05, 0.05, true);
+  expected.updateVoxel(1.05, 0.05, 0.05, true);
+  EXPECT_TRUE(sameTree(expected.octree(), map.octree()));
+  octomap::OcTree updated(map.octree());
+  updated.updateInnerOccupancy();
+  EXPECT_TRUE(sameTree(updated, map.octree()));
 }
 
 TEST(ProbOctoMapObservations, AMapIsEmptyUntilSomethingIsInsertedAndAfterClear) {
@@ -371,7 +406,9 @@ TEST(ProbOctoMapObservations, InsertionOptionsOutOfRangeThrowAndChangeNothing) {
                                 [](auto& o) { o.clampingThresMin = 0; },
                                 [](auto& o) { o.clampingThresMax = 1; },
                                 [](auto& o) { o.clampingThresMin = 0.98; },
-                                [](auto& o) { o.clampingThresMax = std::nan(""); }};
+                                [](auto& o) { o.clampingThresMax = std::nan(""); },
+                                [](auto& o) { o.maxrange = 0; },
+                                [](auto& o) { o.maxrange = std::nan(""); }};
   for (size_t i = 0; i < bad.size(); i++) {
     CProbOctoMap map(0.1);
     map.insertObservation(*scan2d());

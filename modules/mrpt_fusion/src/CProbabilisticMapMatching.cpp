@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/maps/CEdgeVoxelMap.h>
+#include <mrpt/maps/config_check.h>
 #include <mrpt/maps/map_files.h>
 #include <mrpt/poses/CPosePDFGaussian.h>
 #include <mrpt/slam/CProbabilisticMapMatching.h>
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <sstream>
 #include <vector>
 
 using namespace mrpt::slam;
@@ -160,27 +160,16 @@ void CProbabilisticMapMatching::TConfigParams::loadFromConfigFile(
   TConfigParams loaded(*this);
   const auto entries = entriesOf(loaded);
 
-  std::vector<std::string> keys;
-  source.getAllKeys(section, keys);
-  for (const auto& key : keys) {
-    const bool known =
-        key == kMetricKey || key == kCovarianceKey || key == kPolicyKey ||
-        std::any_of(entries.begin(), entries.end(), [&](const Entry& e) { return key == e.key; });
-    ASSERTMSG_(known, "[" + section + "] has an unknown key '" + key + "'");
-  }
+  std::vector<std::string> keys = {kMetricKey, kCovarianceKey, kPolicyKey};
+  for (const Entry& e : entries) keys.emplace_back(e.key);
+  mrpt::maps::checkKeys(source, section, keys);
 
   for (const Entry& e : entries) {
     if (!source.keyExists(section, e.key)) continue;
-    const std::string text = source.read_string(section, e.key, "");
-    std::istringstream in(text);
-    double value = 0;
-    std::string rest;
-    const bool is_number = static_cast<bool>(in >> value) && !(in >> rest);
-    const bool is_whole = e.unit != Entry::Unit::Count || value == std::floor(value);
-    ASSERTMSG_(
-        is_number && is_whole && value >= e.min && value <= e.max,
-        mrpt::format("[%s] %s = %s is not a %s in [%g, %g]", section.c_str(), e.key, text.c_str(),
-                     e.unit == Entry::Unit::Count ? "whole number" : "number", e.min, e.max));
+    const double value =
+        mrpt::maps::readNumber(source, section, e.key, 0, e.min, e.max,
+                               e.unit == Entry::Unit::Count ? mrpt::maps::NumberKind::Whole
+                                                            : mrpt::maps::NumberKind::Real);
     e.set(e.unit == Entry::Unit::Degrees ? value * M_PI / 180 : value);
   }
   loadEnum(source, section, kMetricKey, kMetricNames, loaded.match.voxel_metric);

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/fusion/voxels.h>
-#include <mrpt/maps/octree_build.h>
+#include <mrpt/maps/octree_voxels.h>
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
-#include <utility>
 
 namespace mrpt::fusion {
 namespace {
@@ -22,64 +19,20 @@ size_t volumeOf(const octomap::OcTree& map, const Leaf& leaf) {
   return side * side * side;
 }
 
-/** One coordinate of the i-th voxel of a cube in the octree's order, x fastest at each depth. */
-uint32_t everyThirdBit(uint64_t i) {
-  uint32_t bits = 0;
-  for (unsigned bit = 0; i >> (3 * bit); bit++)
-    bits |= static_cast<uint32_t>(i >> (3 * bit) & 1) << bit;
-  return bits;
-}
-
-/** Collects the occupied voxels below a tree's root (octomap's iterators keep a stack and compute
- * a key per node, free ones too: ten times the time). */
-class OccupiedVoxelExtraction {
- public:
-  OccupiedVoxelExtraction(const octomap::OcTree& map, size_t max_voxels)
-      : map_(map), max_voxels_(max_voxels) {}
-
-  OccupiedVoxels run() {
-    voxels_.resolution = map_.getResolution();
-    if (map_.getRoot()) visit(*map_.getRoot(), {});
-    return std::move(voxels_);
-  }
-
- private:
-  void visit(const octomap::OcTreeNode& node, const mrpt::maps::OcTreeCube& cube) {
-    if (map_.nodeHasChildren(&node)) {
-      for (unsigned i = 0; i < 8; i++)
-        if (map_.nodeChildExists(&node, i)) visit(*map_.getNodeChild(&node, i), cube.child(i));
-    } else if (map_.isNodeOccupied(node)) {
-      add(cube, static_cast<float>(node.getOccupancy()));
-    }
-  }
-
-  void add(const mrpt::maps::OcTreeCube& cube, float probability) {
-    const uint64_t volume = uint64_t{1} << (3 * (cube.kMaxDepth - cube.depth));
-    if (volume > max_voxels_ || voxels_.size() + volume > max_voxels_)
-      throw std::length_error("the map has more than " + std::to_string(max_voxels_) +
-                              " occupied voxels");
-    for (uint64_t i = 0; i < volume; i++) {
-      const octomap::OcTreeKey key(
-          static_cast<octomap::key_type>(cube.key[0] + everyThirdBit(i)),
-          static_cast<octomap::key_type>(cube.key[1] + everyThirdBit(i >> 1)),
-          static_cast<octomap::key_type>(cube.key[2] + everyThirdBit(i >> 2)));
-      voxels_.centre.emplace_back(static_cast<float>(map_.keyToCoord(key[0])),
-                                  static_cast<float>(map_.keyToCoord(key[1])),
-                                  static_cast<float>(map_.keyToCoord(key[2])));
-      voxels_.probability.push_back(probability);
-      voxels_.key.push_back(key);
-    }
-  }
-
-  const octomap::OcTree& map_;
-  size_t max_voxels_;
-  OccupiedVoxels voxels_;
-};
-
 }  // namespace
 
 OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map, size_t max_voxels) {
-  return OccupiedVoxelExtraction(map, max_voxels).run();
+  OccupiedVoxels voxels;
+  voxels.resolution = map.getResolution();
+  mrpt::maps::forEachOccupiedVoxel(
+      map, max_voxels, [&](const octomap::OcTreeKey& key, float probability) {
+        voxels.centre.emplace_back(static_cast<float>(map.keyToCoord(key[0])),
+                                   static_cast<float>(map.keyToCoord(key[1])),
+                                   static_cast<float>(map.keyToCoord(key[2])));
+        voxels.probability.push_back(probability);
+        voxels.key.push_back(key);
+      });
+  return voxels;
 }
 
 Eigen::Vector3d meanOf(const std::vector<Eigen::Vector3f>& points) {

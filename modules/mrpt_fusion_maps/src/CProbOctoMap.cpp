@@ -3,9 +3,12 @@
 #include <mrpt/maps/CProbOctoMap.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/maps/archive_blobs.h>
+#include <mrpt/maps/config_check.h>
 #include <mrpt/maps/error_text.h>
+#include <mrpt/maps/map_files.h>
 #include <mrpt/maps/octree_build.h>
 #include <mrpt/maps/octree_io.h>
+#include <mrpt/maps/octree_voxels.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationPointCloud.h>
@@ -18,8 +21,11 @@
 #include <mrpt/system/filesystem.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
-#include <sstream>
+#include <limits>
+#include <vector>
 
 using namespace mrpt::maps;
 using namespace mrpt::obs;
@@ -29,13 +35,23 @@ MAP_DEFINITION_REGISTER("mrpt::maps::CProbOctoMap,probOctoMap", mrpt::maps::CPro
 
 // ---------------------------------------------------------------- map definition and options
 
+/** Lengths that a map definition may ask for, m. */
+constexpr double kFinest = 1e-4, kLongest = 1e6;
+
 CProbOctoMap::TMapDefinition::TMapDefinition() = default;
 
 void CProbOctoMap::TMapDefinition::loadFromConfigFile_map_specific(
     const mrpt::config::CConfigFileBase& source, const std::string& prefix) {
-  MRPT_LOAD_CONFIG_VAR(resolution, double, source, prefix + "_creationOpts");
+  const std::string creation = prefix + "_creationOpts", likelihood = prefix + "_likelihoodOpts";
+  // MRPT has read the generic ones.
+  checkKeys(source, creation,
+            {"resolution", "enableSaveAs3DObject", "enableObservationLikelihood",
+             "enableObservationInsertion"});
+  resolution = readNumber(source, creation, "resolution", resolution, kFinest, kLongest);
   insertionOpts.loadFromConfigFile(source, prefix + "_insertOpts");
-  likelihoodOpts.loadFromConfigFile(source, prefix + "_likelihoodOpts");
+  checkKeys(source, likelihood, {"decimation"});
+  likelihoodOpts.decimation = static_cast<uint32_t>(readNumber(
+      source, likelihood, "decimation", likelihoodOpts.decimation, 1, 1e9, NumberKind::Whole));
 }
 
 void CProbOctoMap::TMapDefinition::dumpToTextStream_map_specific(std::ostream& out) const {
@@ -63,36 +79,71 @@ CProbOctoMap::internal_CreateFromMapDefinition(const TMetricMapInitializer& init
 #endif
 }
 
+namespace {
+
+/** The insertion options that are probabilities; what is listed here is loaded, checked and saved.
+ */
+struct ProbabilityOption {
+  const char* key;
+  double CProbOctoMap::TInsertionOptions::*field;
+  const char* comment;
+};
+constexpr ProbabilityOption kProbabilities[] = {
+    {"occupancyThres", &CProbOctoMap::TInsertionOptions::occupancyThres,
+     "Probability from which a voxel is occupied"},
+    {"probHit", &CProbOctoMap::TInsertionOptions::probHit,
+     "Probability that a voxel with a hit is occupied"},
+    {"probMiss", &CProbOctoMap::TInsertionOptions::probMiss,
+     "Probability that a voxel crossed by a beam is occupied"},
+    {"clampingThresMin", &CProbOctoMap::TInsertionOptions::clampingThresMin,
+     "Lowest probability that a voxel can reach"},
+    {"clampingThresMax", &CProbOctoMap::TInsertionOptions::clampingThresMax,
+     "Highest probability that a voxel can reach"}};
+
+}  // namespace
+
 void CProbOctoMap::TInsertionOptions::loadFromConfigFile(
     const mrpt::config::CConfigFileBase& source, const std::string& section) {
-  MRPT_LOAD_CONFIG_VAR(maxrange, double, source, section);
-  MRPT_LOAD_CONFIG_VAR(pruning, bool, source, section);
-  MRPT_LOAD_CONFIG_VAR(occupancyThres, double, source, section);
-  MRPT_LOAD_CONFIG_VAR(probHit, double, source, section);
-  MRPT_LOAD_CONFIG_VAR(probMiss, double, source, section);
-  MRPT_LOAD_CONFIG_VAR(clampingThresMin, double, source, section);
-  MRPT_LOAD_CONFIG_VAR(clampingThresMax, double, source, section);
+  std::vector<std::string> keys = {"maxrange", "pruning"};
+  for (const auto& option : kProbabilities) keys.emplace_back(option.key);
+  checkKeys(source, section, keys);
+
+  TInsertionOptions loaded(*this);
+  loaded.maxrange = readNumber(source, section, "maxrange", maxrange, -1, kLongest);
+  loaded.pruning = readFlag(source, section, "pruning", pruning);
+  for (const auto& option : kProbabilities)
+    loaded.*option.field = readNumber(source, section, option.key, loaded.*option.field, 0, 1);
+  try {
+    loaded.check();
+  } catch (const std::exception& e) {
+    THROW_EXCEPTION("[" + section + "] " + messageOf(e));
+  }
+  *this = loaded;
 }
 
 void CProbOctoMap::TInsertionOptions::saveToConfigFile(mrpt::config::CConfigFileBase& c,
                                                        const std::string& s) const {
   MRPT_SAVE_CONFIG_VAR_COMMENT(maxrange, "Length to which beams are inserted, m (-1: all of it)");
   MRPT_SAVE_CONFIG_VAR_COMMENT(pruning, "Prune the tree, without loss, after each insertion");
-  MRPT_SAVE_CONFIG_VAR_COMMENT(occupancyThres, "Probability from which a voxel is occupied");
-  MRPT_SAVE_CONFIG_VAR_COMMENT(probHit, "Probability that a voxel with a hit is occupied");
-  MRPT_SAVE_CONFIG_VAR_COMMENT(probMiss, "Probability that a voxel crossed by a beam is occupied");
-  MRPT_SAVE_CONFIG_VAR_COMMENT(clampingThresMin, "Lowest probability that a voxel can reach");
-  MRPT_SAVE_CONFIG_VAR_COMMENT(clampingThresMax, "Highest probability that a voxel can reach");
+  for (const auto& option : kProbabilities)
+    c.write(s, option.key, this->*option.field, -1, -1, option.comment);
 }
 
 void CProbOctoMap::TInsertionOptions::check() const {
-  for (const double p : {occupancyThres, probHit, probMiss, clampingThresMin, clampingThresMax})
+  ASSERTMSG_(maxrange > 0 || maxrange == -1,
+             mrpt::format("CProbOctoMap: maxrange = %g is neither -1 nor a length", maxrange));
+  for (const auto& option : kProbabilities) {
+    const double p = this->*option.field;
     ASSERTMSG_(p > 0 && p < 1,
-               "CProbOctoMap: a probability in the insertion options is not in (0,1)");
+               mrpt::format("CProbOctoMap: %s = %g is not in (0,1)", option.key, p));
+  }
   ASSERTMSG_(probHit >= 0.5 && probMiss <= 0.5,
-             "CProbOctoMap: probHit must be at least 0.5 and probMiss at most 0.5");
+             mrpt::format("CProbOctoMap: probHit = %g must be at least 0.5 and probMiss = %g at "
+                          "most 0.5",
+                          probHit, probMiss));
   ASSERTMSG_(clampingThresMin < clampingThresMax,
-             "CProbOctoMap: clampingThresMin must be below clampingThresMax");
+             mrpt::format("CProbOctoMap: clampingThresMin = %g must be below clampingThresMax = %g",
+                          clampingThresMin, clampingThresMax));
 }
 
 // ---------------------------------------------------------------- construction
@@ -106,7 +157,8 @@ CProbOctoMap::CProbOctoMap(double resolution) {
 
 CProbOctoMap::CProbOctoMap(std::unique_ptr<octomap::OcTree> tree) { setOctree(std::move(tree)); }
 
-CProbOctoMap::CProbOctoMap(const COctoMap& o) : CProbOctoMap(o.getResolution()) { fromOctoMap(o); }
+CProbOctoMap::CProbOctoMap(const octomap::OcTree& tree)
+    : CProbOctoMap(std::make_unique<octomap::OcTree>(tree)) {}
 
 CProbOctoMap::CProbOctoMap(const CProbOctoMap& o)
     : CMetricMap(o),
@@ -271,15 +323,18 @@ std::optional<Rays> raysOf(const CObservation& obs, const mrpt::poses::CPose3D& 
 
 }  // namespace
 
+void CProbOctoMap::finishInsertion() {
+  m_octree->updateInnerOccupancy();
+  if (insertionOptions.pruning) m_octree->prune();
+}
+
 bool CProbOctoMap::internal_insertObservation(
     const CObservation& obs, const std::optional<const mrpt::poses::CPose3D>& robotPose) {
   const auto rays = raysOf(obs, robotPose.value_or(mrpt::poses::CPose3D()));
   if (!rays) return false;
   applySensorModel();
-  // Lazily, then the inner nodes once: a fraction of the cost of updating them ray by ray.
   m_octree->insertPointCloud(rays->ends, rays->origin, insertionOptions.maxrange, true);
-  m_octree->updateInnerOccupancy();
-  if (insertionOptions.pruning) m_octree->prune();
+  finishInsertion();
   return true;
 }
 
@@ -290,8 +345,7 @@ void CProbOctoMap::insertPointCloud(const CPointsMap& points, float sensor_x, fl
   applySensorModel();
   m_octree->insertPointCloud(rays.ends, octomap::point3d(sensor_x, sensor_y, sensor_z),
                              insertionOptions.maxrange, true);
-  m_octree->updateInnerOccupancy();
-  if (insertionOptions.pruning) m_octree->prune();
+  finishInsertion();
 }
 
 bool CProbOctoMap::internal_canComputeObservationLikelihood(const CObservation& obs) const {
@@ -311,6 +365,14 @@ double CProbOctoMap::internal_computeObservationLikelihood(
       if (const auto* node = m_octree->search(key))
         log_likelihood += std::log(node->getOccupancy());
   return log_likelihood;
+}
+
+void CProbOctoMap::insertPointCloud(const CPointsMap& points) {
+  Rays rays;
+  addPoints(mrpt::poses::CPose3D(), points, rays);
+  applySensorModel();
+  for (const auto& p : rays.ends) m_octree->updateNode(p, true, true);
+  finishInsertion();
 }
 
 void CProbOctoMap::updateVoxel(double x, double y, double z, bool occupied) {
@@ -341,149 +403,154 @@ bool CProbOctoMap::castRay(const mrpt::math::TPoint3D& origin,
   return found;
 }
 
-// ---------------------------------------------------------------- conversion
+// ---------------------------------------------------------------- points and matching
 
 namespace {
 
-double probability(float log_odds) {
-  return 1.0 / (1.0 + std::exp(-static_cast<double>(log_odds)));
+/** The centres of a map's occupied voxels, in the order of the octree. */
+std::shared_ptr<CSimplePointsMap> occupiedPoints(const octomap::OcTree& tree) {
+  auto points = std::make_shared<CSimplePointsMap>();
+  forEachOccupiedVoxel(tree, kMaxVoxels, [&](const octomap::OcTreeKey& key, float) {
+    points->insertPointFast(static_cast<float>(tree.keyToCoord(key[0])),
+                            static_cast<float>(tree.keyToCoord(key[1])),
+                            static_cast<float>(tree.keyToCoord(key[2])));
+  });
+  points->mark_as_modified();  // insertPointFast() leaves that to its caller
+  return points;
 }
 
-/** Log-odds as far as double-valued probabilities reach: beyond, they are 0 or 1. */
-constexpr float kMaxLogOdds = 36.0F;
-
-/** The probability that OctoMap turns into exactly these log-odds, or as near as doubles allow. */
-double exactProbability(float log_odds) {
-  ASSERTMSG_(std::abs(log_odds) <= kMaxLogOdds,
-             "CProbOctoMap: log-odds too large for a probability in MRPT's COctoMap");
-  const double p = probability(log_odds);
-  for (const double candidate : {p, std::nextafter(p, 0.0), std::nextafter(p, 1.0)})
-    if (octomap::logodds(candidate) == log_odds) return candidate;
-  return p;
+bool samePoints(const CPointsMap& a, const CPointsMap& b) {
+  return a.getPointsBufferRef_x() == b.getPointsBufferRef_x() &&
+         a.getPointsBufferRef_y() == b.getPointsBufferRef_y() &&
+         a.getPointsBufferRef_z() == b.getPointsBufferRef_z();
 }
 
-void copySensorModel(const COctoMap& from, octomap::OcTree& to) {
-  OcTreeAccess::setSensorModel(
-      to, {from.getClampingThresMinLog(), from.getClampingThresMaxLog(), from.getProbHitLog(),
-           from.getProbMissLog(), from.getOccupancyThresLog()});
+/** The points of the other map of a matching. */
+std::shared_ptr<const CPointsMap> pointsOf(const CMetricMap* map) {
+  ASSERTMSG_(map, "CProbOctoMap: there is no map to match with");
+  if (const auto* points = dynamic_cast<const CPointsMap*>(map))
+    return {std::shared_ptr<const CPointsMap>(), points};  // not owned
+  if (const CPointsMap* points = map->getAsSimplePointsMap())
+    return {std::shared_ptr<const CPointsMap>(), points};
+  const auto octomap = asProbOctoMap(*map);
+  ASSERTMSG_(octomap, std::string("CProbOctoMap: a ") + map->GetRuntimeClass()->className +
+                          " has no points to match with");
+  return occupiedPoints(octomap->octree());
 }
 
-/** A leaf cube and its value, ordered by the cube's place in the tree. */
-struct LeafCube {
-  OcTreeCube cube;
-  float log_odds;
-};
-
-/** Builds a tree from leaf cubes that are grouped by child at each level on the way down. */
-class LeafListVisitor {
+/** Branch and bound on the square distance, in the plane, to the centres of occupied voxels. */
+class ClosestInPlane {
  public:
-  struct State {
-    std::vector<LeafCube> leaves;
-  };
-  OcTreeFill visit(const OcTreeCube& cube, const State& s) const {
-    if (s.leaves.empty()) return OcTreeFill::unknown();
-    if (s.leaves.front().cube.depth == cube.depth)
-      return OcTreeFill::leaf(s.leaves.front().log_odds);
-    return OcTreeFill::split();
+  ClosestInPlane(const octomap::OcTree& tree, double x, double y) : tree_(tree), xy_{x, y} {
+    if (tree.getRoot()) descend(*tree.getRoot(), {});
   }
-  State descend(State& parent, unsigned, const OcTreeCube& child) const {
-    State s;
-    const auto inChild = [&](const LeafCube& l) {
-      for (unsigned axis = 0; axis < 3; axis++) {
-        const uint32_t k = l.cube.key[axis], k0 = child.key[axis];
-        if (k < k0 || k - k0 >= child.side()) return false;
-      }
-      return true;
-    };
-    const auto rest = std::partition(parent.leaves.begin(), parent.leaves.end(),
-                                     [&](const LeafCube& l) { return !inChild(l); });
-    s.leaves.assign(rest, parent.leaves.end());
-    parent.leaves.erase(rest, parent.leaves.end());
-    return s;
+  /** m^2; infinite if no voxel is occupied. */
+  double squareDistance() const { return best_; }
+
+ private:
+  /** To the closest centre of a cube's voxels. */
+  double squareDistanceTo(const OcTreeCube& cube) const {
+    double sum = 0;
+    for (unsigned axis = 0; axis < 2; axis++) {
+      const auto centre = [&](uint32_t k) {
+        return tree_.keyToCoord(static_cast<octomap::key_type>(k));
+      };
+      const double first = centre(cube.key[axis]), last = centre(cube.key[axis] + cube.side() - 1);
+      const double steps = std::round((xy_[axis] - first) / tree_.getResolution());
+      const double closest = std::clamp(first + steps * tree_.getResolution(), first, last);
+      sum += (xy_[axis] - closest) * (xy_[axis] - closest);
+    }
+    return sum;
   }
+
+  void descend(const octomap::OcTreeNode& node, const OcTreeCube& cube) {
+    if (squareDistanceTo(cube) >= best_) return;
+    if (!tree_.nodeHasChildren(&node)) {
+      if (tree_.isNodeOccupied(node)) best_ = squareDistanceTo(cube);
+      return;
+    }
+    // The child on the point's side first, so that the bound is soon a tight one.
+    const auto middle = cube.child(7).key;
+    unsigned near = 0;
+    for (unsigned axis = 0; axis < 2; axis++)
+      if (xy_[axis] > tree_.keyToCoord(middle[axis]) - 0.5 * tree_.getResolution())
+        near |= 1U << axis;
+    for (unsigned i = 0; i < 8; i++)
+      if (tree_.nodeChildExists(&node, near ^ i))
+        descend(*tree_.getNodeChild(&node, near ^ i), cube.child(near ^ i));
+  }
+
+  const octomap::OcTree& tree_;
+  std::array<double, 2> xy_;
+  double best_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace
 
-void CProbOctoMap::fromOctoMap(const COctoMap& o) {
-  // Its leaf cubes come out through the drawing API, as its renderingOptions allow.
-  mrpt::opengl::COctoMapVoxels voxels;
-  const auto& drawn = o.renderingOptions;
-  if (drawn.generateOccupiedVoxels && drawn.generateFreeVoxels) {
-    o.getAsOctoMapVoxels(voxels);
-  } else {
-    COctoMap copy(o);
-    copy.renderingOptions = TRenderingOptions();
-    copy.getAsOctoMapVoxels(voxels);
-  }
-
-  auto tree = std::make_unique<octomap::OcTree>(o.getResolution());
-  copySensorModel(o, *tree);
-  LeafListVisitor::State leaves;
-  for (const size_t set : {mrpt::opengl::VOXEL_SET_OCCUPIED, mrpt::opengl::VOXEL_SET_FREESPACE})
-    for (size_t i = 0; i < voxels.getVoxelCount(set); i++) {
-      const auto& v = voxels.getVoxel(set, i);
-      const double levels = std::log2(v.side_length / o.getResolution());
-      const auto depth = static_cast<unsigned>(OcTreeCube::kMaxDepth - std::lround(levels));
-      double p = 0;
-      OcTreeCube cube{{0, 0, 0}, depth};
-      const bool known =
-          depth <= OcTreeCube::kMaxDepth &&
-          o.getPointOccupancy(v.coords.x, v.coords.y, v.coords.z, p) &&
-          tree->coordToKeyChecked(v.coords.x, v.coords.y, v.coords.z, depth, cube.key);
-      ASSERTMSG_(known, "CProbOctoMap: a voxel of the COctoMap does not lie on an octree's grid");
-      const uint32_t lowest = ~(cube.side() - 1U);
-      for (unsigned axis = 0; axis < 3; axis++)
-        cube.key[axis] = static_cast<octomap::key_type>(cube.key[axis] & lowest);
-      // MRPT rounds the probability of a saturated voxel to 0 or 1.
-      constexpr double kTiny = 1e-16;
-      leaves.leaves.push_back({cube, octomap::logodds(std::clamp(p, kTiny, 1 - kTiny))});
-    }
-  LeafListVisitor visitor;
-  buildOcTree(*tree, std::move(leaves), visitor);
-
-  genericMapParams = o.genericMapParams;
-  likelihoodOptions = o.likelihoodOptions;
-  renderingOptions = o.renderingOptions;
-  insertionOptions.maxrange = o.insertionOptions.maxrange;
-  insertionOptions.pruning = o.insertionOptions.pruning;
-  setOctree(std::move(tree));
+const CSimplePointsMap* CProbOctoMap::getAsSimplePointsMap() const {
+  // The tree may have changed through octree() without a trace, so the points are always made anew;
+  // those given out before are kept if they are the same, for whoever still looks at them.
+  const std::shared_ptr<const CSimplePointsMap> now = occupiedPoints(*m_octree);
+  now->boundingBox();  // MRPT computes it at the first call, which may not be two threads' at once
+  auto last = std::atomic_load(&m_points);
+  while (!last || !samePoints(*last, *now))
+    if (std::atomic_compare_exchange_strong(&m_points, &last, now)) return now.get();
+  return last.get();
 }
 
-void CProbOctoMap::toOctoMap(COctoMap& o) const {
-  COctoMap result(getResolution());
-  // One "hit" or "miss" of just the wanted strength on each voxel, with nothing clamped.
-  constexpr double kTiny = 1e-16;
-  result.setClampingThresMin(kTiny);
-  result.setClampingThresMax(1 - kTiny);
-  for (auto it = m_octree->begin_leafs(); it != m_octree->end_leafs(); ++it) {
-    const float log_odds = it->getLogOdds();
-    const bool hit = log_odds >= 0;
-    if (hit)
-      result.setProbHit(exactProbability(log_odds));
-    else
-      result.setProbMiss(exactProbability(log_odds));
-    const octomap::OcTreeKey lowest = it.getIndexKey();
-    const uint32_t side = 1U << (OcTreeCube::kMaxDepth - it.getDepth());
-    for (uint32_t x = 0; x < side; x++)
-      for (uint32_t y = 0; y < side; y++)
-        for (uint32_t z = 0; z < side; z++)
-          result.updateVoxel(m_octree->keyToCoord(static_cast<octomap::key_type>(lowest[0] + x)),
-                             m_octree->keyToCoord(static_cast<octomap::key_type>(lowest[1] + y)),
-                             m_octree->keyToCoord(static_cast<octomap::key_type>(lowest[2] + z)),
-                             hit);
-  }
-  result.setOccupancyThres(m_octree->getOccupancyThres());
-  result.setProbHit(m_octree->getProbHit());
-  result.setProbMiss(m_octree->getProbMiss());
-  result.setClampingThresMin(m_octree->getClampingThresMin());
-  result.setClampingThresMax(m_octree->getClampingThresMax());
-  result.genericMapParams = genericMapParams;
-  result.likelihoodOptions = likelihoodOptions;
-  result.renderingOptions = renderingOptions;
-  result.insertionOptions.maxrange = insertionOptions.maxrange;
-  result.insertionOptions.pruning = insertionOptions.pruning;
-  o = result;
+void CProbOctoMap::auxParticleFilterCleanUp() {
+  std::atomic_store(&m_points, std::shared_ptr<const CSimplePointsMap>());
+}
+
+namespace {
+
+/** A map's points, for one matching: MRPT's k-d tree of points serves either 2-D or 3-D searches,
+ * not one after the other. */
+std::shared_ptr<CSimplePointsMap> pointsToMatch(const octomap::OcTree& tree) {
+  auto points = occupiedPoints(tree);
+  // MRPT gives up where the two maps' bounding boxes do not overlap, though points may be within
+  // reach: a flat scan just below the centres of a layer of voxels. These two, behind the others
+  // and beyond any reach, make the box one that overlaps all.
+  constexpr float kFar = 1e6F;
+  for (const float corner : {-kFar, kFar}) points->insertPoint(corner, corner, corner);
+  return points;
+}
+
+}  // namespace
+
+void CProbOctoMap::determineMatching2D(const CMetricMap* otherMap,
+                                       const mrpt::poses::CPose2D& otherMapPose,
+                                       mrpt::tfest::TMatchingPairList& correspondences,
+                                       const TMatchingParams& params,
+                                       TMatchingExtraResults& extraResults) const {
+  pointsToMatch(*m_octree)->determineMatching2D(pointsOf(otherMap).get(), otherMapPose,
+                                                correspondences, params, extraResults);
+}
+
+void CProbOctoMap::determineMatching3D(const CMetricMap* otherMap,
+                                       const mrpt::poses::CPose3D& otherMapPose,
+                                       mrpt::tfest::TMatchingPairList& correspondences,
+                                       const TMatchingParams& params,
+                                       TMatchingExtraResults& extraResults) const {
+  pointsToMatch(*m_octree)->determineMatching3D(pointsOf(otherMap).get(), otherMapPose,
+                                                correspondences, params, extraResults);
+}
+
+float CProbOctoMap::compute3DMatchingRatio(const CMetricMap* otherMap,
+                                           const mrpt::poses::CPose3D& otherMapPose,
+                                           const TMatchingRatioParams& params) const {
+  TMatchingParams matching;
+  matching.maxDistForCorrespondence = params.maxDistForCorr;
+  mrpt::tfest::TMatchingPairList pairs;
+  TMatchingExtraResults results;
+  determineMatching3D(otherMap, otherMapPose, pairs, matching, results);
+  return results.correspondencesRatio;
+}
+
+float CProbOctoMap::squareDistanceToClosestCorrespondence(float x0, float y0) const {
+  const double d2 = ClosestInPlane(*m_octree, x0, y0).squareDistance();
+  ASSERTMSG_(std::isfinite(d2), "CProbOctoMap: the map has no occupied voxel to measure to");
+  return static_cast<float>(d2);
 }
 
 // ---------------------------------------------------------------- files and drawing

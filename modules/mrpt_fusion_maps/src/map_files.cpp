@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/io/CMemoryStream.h>
 #include <mrpt/io/CStream.h>
+#include <mrpt/maps/CColouredOctoMap.h>
 #include <mrpt/maps/CMultiMetricMap.h>
+#include <mrpt/maps/COccupancyGridMap3D.h>
 #include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/maps/TMetricMapTypesRegistry.h>
 #include <mrpt/maps/error_text.h>
 #include <mrpt/maps/map_files.h>
 #include <mrpt/maps/octree_io.h>
@@ -13,6 +16,7 @@
 #include <mrpt/poses/CPose3DInterpolator.h>
 #include <mrpt/serialization/CArchive.h>
 #include <mrpt/system/filesystem.h>
+#include <mrpt/system/string_utils.h>
 #define ZLIB_CONST  // input is const
 #include <zlib.h>
 
@@ -102,15 +106,35 @@ class ObjectReader {
   size_t count_ = 0;
 };
 
+/** \exception If a map definition asks for maps of a kind that MRPT does not know: it passes over
+ * them in silence. */
+void checkMapNames(const mrpt::config::CConfigFileBase& config, const std::string& section) {
+  constexpr std::string_view kSuffix = "_count";
+  const auto& kinds = internal::TMetricMapTypesRegistry::Instance().getAllRegistered();
+  std::vector<std::string> keys;
+  config.getAllKeys(section, keys);
+  for (const auto& key : keys) {
+    const size_t length = key.size() - std::min(key.size(), kSuffix.size());
+    if (!mrpt::system::strCmpI(key.substr(length), std::string(kSuffix))) continue;
+    const std::string name = key.substr(0, length);
+    if (std::none_of(kinds.begin(), kinds.end(),
+                     [&](const auto& kind) { return mrpt::system::strCmpI(kind.first, name); }))
+      throw std::runtime_error("the section [" + section + "] asks for '" + name +
+                               "', which is no map class");
+  }
+}
+
 /** The map under construction. */
 class Builder {
  public:
   explicit Builder(const BuildParams& params) : params_(params) {
     TSetOfMetricMapInitializers definition;
-    if (params.config)
+    if (params.config) {
+      checkMapNames(*params.config, params.section);
       definition.loadFromConfigFile(*params.config, params.section);
-    else
+    } else {
       definition.push_back(CProbOctoMap::TMapDefinition());
+    }
     if (definition.size() == 0)
       throw std::runtime_error("the map definition in section [" + params.section +
                                "] asks for no map");
@@ -296,16 +320,36 @@ CSerializable::Ptr firstObject(const std::string& path) {
   return ObjectReader(path).next();
 }
 
+/** Makes an octomap of a map of one class; null if it is of another. */
+using View = std::shared_ptr<const CProbOctoMap> (*)(const CMetricMap&);
+
+std::shared_ptr<const CProbOctoMap> itself(const CMetricMap& map) {
+  const auto* ours = dynamic_cast<const CProbOctoMap*>(&map);
+  return {std::shared_ptr<const CProbOctoMap>(), ours};  // not owned
+}
+
+template <class Map>
+std::shared_ptr<const CProbOctoMap> converted(const CMetricMap& map) {
+  const auto* theirs = dynamic_cast<const Map*>(&map);
+  return theirs ? std::make_shared<const CProbOctoMap>(*theirs) : nullptr;
+}
+
+/** The first map that a view takes: this one, or one of a set. */
+std::shared_ptr<const CProbOctoMap> findIn(const CMetricMap& map, View view) {
+  if (auto found = view(map)) return found;
+  if (const auto* several = dynamic_cast<const CMultiMetricMap*>(&map))
+    for (const auto& m : several->maps)
+      if (auto found = findIn(*m, view)) return found;
+  return nullptr;
+}
+
 }  // namespace
 
 std::shared_ptr<const CProbOctoMap> asProbOctoMap(const CMetricMap& map) {
-  if (const auto* ours = dynamic_cast<const CProbOctoMap*>(&map))
-    return {std::shared_ptr<const CProbOctoMap>(), ours};  // not owned
-  if (const auto* theirs = dynamic_cast<const COctoMap*>(&map))
-    return std::make_shared<const CProbOctoMap>(*theirs);
-  if (const auto* several = dynamic_cast<const CMultiMetricMap*>(&map))
-    for (const auto& m : several->maps)
-      if (auto found = asProbOctoMap(*m)) return found;
+  // Those that keep most come first, whatever the order of a set.
+  for (const auto view : {&itself, &converted<COctoMap>, &converted<CColouredOctoMap>,
+                          &converted<COccupancyGridMap3D>})
+    if (auto found = findIn(map, view)) return found;
   return nullptr;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <mrpt/maps/octree_voxels.h>
 #include <octomap/OcTree.h>
 
 #include <Eigen/Core>
@@ -23,10 +24,10 @@ struct OccupiedVoxels {
 
 /** Extracts the occupied voxels (probability at least the tree's occupancy threshold), pruned
  * leaves expanded. One traversal, O(nodes + voxels). \param[in] max_voxels Refuse to expand to more
- * voxels than this (a tiny hostile file can hold one leaf that stands for 2^48 voxels). \exception
- * std::length_error If there are more.
+ * voxels than this. \exception std::length_error If there are more.
  */
-OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map, size_t max_voxels = 100'000'000);
+OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map,
+                                     size_t max_voxels = mrpt::maps::kMaxVoxels);
 
 /** The middle of some points, m; the origin if there are none. */
 Eigen::Vector3d meanOf(const std::vector<Eigen::Vector3f>& points);

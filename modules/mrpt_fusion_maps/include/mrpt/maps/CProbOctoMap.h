@@ -4,13 +4,18 @@
 #include <mrpt/config/CLoadableOptions.h>
 #include <mrpt/maps/CMetricMap.h>
 #include <mrpt/maps/COctoMap.h>
+#include <mrpt/poses/CPose3D.h>
 #include <mrpt/version.h>
 #include <octomap/OcTree.h>
 
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace mrpt::maps {
+
+class CColouredOctoMap;
+class COccupancyGridMap3D;
 
 /** A 3-D probabilistic occupancy map: an octomap::OcTree as an MRPT metric map that keeps every
  * log-odds value, wherever it goes.
@@ -21,9 +26,12 @@ namespace mrpt::maps {
  *  - the `sensorPose` of 3-D observations moves their points as well as the ray's origin;
  *  - a 3-D range scan that brings only a range image is projected;
  *  - isEmpty() is true for a fresh map;
+ *  - its occupied voxels are points for those who match maps (ICP and others), see
+ * getAsSimplePointsMap();
  *  - the octree is within reach: octree().
  *
- * In .ini map definitions it is `probOctoMap`:
+ * In .ini map definitions it is `probOctoMap`; a key that it does not know, or a value out of its
+ * range, is an exception that names section and key:
  * \code
  * [MappingApplication]
  * probOctoMap_count = 1
@@ -49,8 +57,13 @@ class CProbOctoMap : public CMetricMap {
   explicit CProbOctoMap(double resolution = 0.10);
   /** Takes over a tree, its sensor model included. */
   explicit CProbOctoMap(std::unique_ptr<octomap::OcTree> tree);
+  /** Copies a tree, its sensor model included. */
+  explicit CProbOctoMap(const octomap::OcTree& tree);
   /** A map with the same leaves as \a o, see fromOctoMap(). */
   explicit CProbOctoMap(const COctoMap& o);
+  explicit CProbOctoMap(const CColouredOctoMap& o);
+  /** A map of the cells of \a o, see fromOccupancyGrid(). */
+  explicit CProbOctoMap(const COccupancyGridMap3D& o);
   CProbOctoMap(const CProbOctoMap& o);
   CProbOctoMap& operator=(const CProbOctoMap& o);
   CProbOctoMap(CProbOctoMap&&) = default;
@@ -68,12 +81,14 @@ class CProbOctoMap : public CMetricMap {
     double clampingThresMin = 0.1192;
     double clampingThresMax = 0.971;
 
+    /** \exception std::exception Naming section and key: an unknown key, or a value that check()
+     * refuses; nothing is changed then. */
     void loadFromConfigFile(const mrpt::config::CConfigFileBase& source,
                             const std::string& section) override;
     void saveToConfigFile(mrpt::config::CConfigFileBase& target,
                           const std::string& section) const override;
-    /** \exception std::exception If a probability is not in (0,1), or the hit and miss are not on
-     * their sides of 0.5, or the clamping thresholds are reversed. */
+    /** \exception std::exception Naming the option: a probability not in (0,1), hit or miss not on
+     * its side of 0.5, clamping thresholds reversed, a maxrange that is neither -1 nor positive. */
     void check() const;
   };
   using TLikelihoodOptions = COctoMap::TLikelihoodOptions;
@@ -112,6 +127,9 @@ class CProbOctoMap : public CMetricMap {
   void updateVoxel(double x, double y, double z, bool occupied);
   /** Inserts points given in the map's frame, seen from a sensor at (sensor_x,y,z). */
   void insertPointCloud(const CPointsMap& points, float sensor_x, float sensor_y, float sensor_z);
+  /** Counts one hit in its voxel for each point, given in the map's frame, that came without the
+   * place it was seen from: no space becomes free. */
+  void insertPointCloud(const CPointsMap& points);
   /** First occupied voxel along a ray, see COctoMapBase::castRay(). */
   bool castRay(const mrpt::math::TPoint3D& origin, const mrpt::math::TPoint3D& direction,
                mrpt::math::TPoint3D& end, bool ignoreUnknownCells = false,
@@ -122,14 +140,74 @@ class CProbOctoMap : public CMetricMap {
    * @{ */
   /** Replaces this map by a copy of all of \a o that MRPT's public API gives: each leaf's cube and
    * log-odds (exact for 1e-7 < |log-odds| < 20, beyond which the double-valued probability that
-   * MRPT returns has lost digits), resolution and sensor model. \a o is not modified.
-   * \exception std::exception If o's voxels do not lie on an octree's grid. */
+   * MRPT returns has lost digits), resolution, sensor model and options; not the colours. \a o is
+   * not modified. \exception std::exception If o's voxels do not lie on an octree's grid. */
   void fromOctoMap(const COctoMap& o);
-  /** Replaces the contents of \a o by this map: same leaves' log-odds and sensor model.
+  void fromOctoMap(const CColouredOctoMap& o);
+  /** Replaces the contents of \a o by this map: same leaves' log-odds, sensor model and options.
    * Cost: one root-to-leaf descent per finest voxel, pruned leaves expanded (MRPT offers no other
    * way in). \exception std::exception If a log-odds value has no probability in double precision
    * (|log-odds| > 36). */
   void toOctoMap(COctoMap& o) const;
+  /** A map to take colours from, and its pose in the frame of the map that is coloured. */
+  struct ColourSource {
+    const CColouredOctoMap& map;
+    mrpt::poses::CPose3D pose;
+  };
+  /** This map as toOctoMap() gives it, where each occupied leaf has the mean colour that the
+   * sources have at its voxels: that of the source's occupied voxel at the same place or, as grids
+   * that are turned do not lie on each other, the nearest one within half a voxel diagonal (of the
+   * larger of the two). So the colours of two maps survive their fusion. Where no source has one it
+   * stays unset (white, as octomap has it).
+   *
+   * A pointer, as a copy of a CColouredOctoMap has no colours: octomap copies the occupancy only.
+   * Nor does MRPT's serialization keep colours, or probabilities; the 3-D scene that
+   * saveMetricMapRepresentationToFile() writes has the colours. */
+  std::shared_ptr<CColouredOctoMap> toColouredOctoMap(
+      const std::vector<ColourSource>& sources = {}) const;
+
+  /** Replaces the octree by one of the grid's known cells, of log-odds as the grid has them (whole
+   * 16ths); cells at p = 0.5 are unknown. The options and sensor model stay. Nothing is lost but
+   * the grid's extent, and its place where that is not on an octree's grid: a cell moves to the
+   * voxel that has most of it, by up to half a voxel. \exception std::exception If the cells are no
+   * cubes, or reach beyond an octree's grid (2^15 voxels from the origin). */
+  void fromOccupancyGrid(const COccupancyGridMap3D& o);
+  /** Replaces the cells of \a o by the box of this map's known space; unknown voxels have p = 0.5.
+   * (An empty map gives one such cell.)
+   * Lost are: log-odds beyond whole 16ths (voxels nearer to 0 than 1/32 become unknown) and beyond
+   * +-127/16 (+-32767/16 where MRPT has 16-bit cells), and the sensor model.
+   * \exception std::exception If the box has more than 10^8 voxels. */
+  void toOccupancyGrid(COccupancyGridMap3D& o) const;
+  /** @} */
+
+  /** @name Points and matching
+   * The map's points are the centres of its occupied voxels, pruned leaves expanded, in the order
+   * of the octree (that of the indices in correspondences). Other maps may be of points, occupancy
+   * maps that asProbOctoMap() takes, or sets of these; the functions throw for others.
+   * All may be called from several threads at once. Cost: a matching makes the points and MRPT's
+   * k-d tree of them at each call.
+   * @{ */
+  /** The points, made anew at each call. They stay valid, and the same object, until the call after
+   * a change of the map, or auxParticleFilterCleanUp(). Never null. \exception std::length_error If
+   * there are more than 10^8. */
+  const CSimplePointsMap* getAsSimplePointsMap() const override;
+  /** Frees the points given out. */
+  void auxParticleFilterCleanUp() override;
+  void determineMatching2D(const CMetricMap* otherMap, const mrpt::poses::CPose2D& otherMapPose,
+                           mrpt::tfest::TMatchingPairList& correspondences,
+                           const TMatchingParams& params,
+                           TMatchingExtraResults& extraResults) const override;
+  void determineMatching3D(const CMetricMap* otherMap, const mrpt::poses::CPose3D& otherMapPose,
+                           mrpt::tfest::TMatchingPairList& correspondences,
+                           const TMatchingParams& params,
+                           TMatchingExtraResults& extraResults) const override;
+  /** The share of the other map's points that have one of this map's within
+   * `params.maxDistForCorr` (metres), as CPointsMap has it. */
+  float compute3DMatchingRatio(const CMetricMap* otherMap, const mrpt::poses::CPose3D& otherMapPose,
+                               const TMatchingRatioParams& params) const override;
+  /** To the closest point, in the plane: m^2. One descent of the octree; no points are made.
+   * \exception std::exception If there is no occupied voxel. */
+  float squareDistanceToClosestCorrespondence(float x0, float y0) const override;
   /** @} */
 
   /** @name Files
@@ -161,8 +239,12 @@ class CProbOctoMap : public CMetricMap {
 
  private:
   void applySensorModel();
+  /** After lazy updates, the inner nodes once: a fraction of the cost of updating them each time.
+   */
+  void finishInsertion();
 
   std::unique_ptr<octomap::OcTree> m_octree;
+  mutable std::shared_ptr<const CSimplePointsMap> m_points;  //!< Last given out; atomic access
 };
 
 }  // namespace mrpt::maps

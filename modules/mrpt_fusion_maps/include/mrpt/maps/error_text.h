@@ -8,11 +8,11 @@
 namespace mrpt::maps {
 
 /** What an exception says, on one line: MRPT's own wrap their message in a location and a call
- * stack. */
+ * stack, and in the messages of those that caught it on the way. */
 inline std::string messageOf(const std::exception& e) {
   const std::string text = e.what();
   constexpr const char* kLabel = "Message:";
-  size_t begin = text.find(kLabel);
+  size_t begin = text.rfind(kLabel);  // the first to be thrown
   begin = begin == std::string::npos ? 0 : text.find_first_not_of(' ', begin + 8);
   if (begin == std::string::npos) return "unknown error";
   return text.substr(begin, text.find('\n', begin) - begin);

@@ -16,9 +16,10 @@
 
 namespace mrpt::maps {
 
-/** The probabilistic octomap that a map is, holds or converts to: a CProbOctoMap, a COctoMap
- * (converted), or the first of these in a CMultiMetricMap. Not a copy where none is needed: the
- * result is then only valid as long as \a map. Null if there is none. */
+/** The probabilistic octomap that a map is, holds or converts to: a CProbOctoMap or, converted, a
+ * COctoMap, CColouredOctoMap or COccupancyGridMap3D; of a CMultiMetricMap, the first of the kind
+ * that is named first here. Not a copy where none is needed: the result is then only valid as long
+ * as \a map. Null if there is none. */
 std::shared_ptr<const CProbOctoMap> asProbOctoMap(const CMetricMap& map);
 /** \overload that keeps \a map alive as long as the result. */
 std::shared_ptr<const CProbOctoMap> asProbOctoMap(const CMetricMap::ConstPtr& map);
@@ -47,7 +48,7 @@ struct BuiltMap {
  * interpolated to the time of each observation; in the actions format as robot movements, which are
  * added up. Lazy-load observations are loaded from the rawlog's own images directory.
  * \exception std::runtime_error "<path>: <reason>": not such a file, truncated, no poses, a
- * definition without maps.
+ * definition without maps, or with some of a class that MRPT does not know.
  */
 BuiltMap buildMap(const std::string& path, const BuildParams& params = {});
 

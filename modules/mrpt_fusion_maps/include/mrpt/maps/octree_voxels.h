@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/maps/octree_build.h>
+#include <octomap/OcTree.h>
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+
+/** \file
+ * Walking through the voxels of an octree, pruned leaves expanded: octomap's iterators keep a stack
+ * and compute a key per node, free ones too, which takes ten times as long.
+ */
+
+namespace mrpt::maps {
+
+/** Most voxels that a map is expanded to: a tiny hostile file can hold one leaf that stands for
+ * 2^48 of them. */
+constexpr size_t kMaxVoxels = 100'000'000;
+
+namespace detail {
+
+/** One coordinate of the i-th voxel of a cube in the octree's order, x fastest at each depth. */
+inline uint32_t everyThirdBit(uint64_t i) {
+  uint32_t bits = 0;
+  for (unsigned bit = 0; i >> (3 * bit); bit++)
+    bits |= static_cast<uint32_t>(i >> (3 * bit) & 1) << bit;
+  return bits;
+}
+
+template <class F>
+void forEachLeafBelow(const octomap::OcTree& tree, const octomap::OcTreeNode& node,
+                      const OcTreeCube& cube, F&& f) {
+  if (!tree.nodeHasChildren(&node)) return f(cube, node);
+  for (unsigned i = 0; i < 8; i++)
+    if (tree.nodeChildExists(&node, i))
+      forEachLeafBelow(tree, *tree.getNodeChild(&node, i), cube.child(i), f);
+}
+
+}  // namespace detail
+
+/** Calls `f(const OcTreeCube&, const OcTreeNode&)` for each leaf, in the order of the octree. */
+template <class F>
+void forEachLeaf(const octomap::OcTree& tree, F&& f) {
+  if (tree.getRoot()) detail::forEachLeafBelow(tree, *tree.getRoot(), {}, f);
+}
+
+/** Calls `f(const OcTreeKey&)` for each finest voxel of a cube, in the order of the octree. */
+template <class F>
+void forEachVoxel(const OcTreeCube& cube, F&& f) {
+  const uint64_t volume = uint64_t{1} << (3 * (OcTreeCube::kMaxDepth - cube.depth));
+  for (uint64_t i = 0; i < volume; i++)
+    f(octomap::OcTreeKey(
+        static_cast<octomap::key_type>(cube.key[0] + detail::everyThirdBit(i)),
+        static_cast<octomap::key_type>(cube.key[1] + detail::everyThirdBit(i >> 1)),
+        static_cast<octomap::key_type>(cube.key[2] + detail::everyThirdBit(i >> 2))));
+}
+
+/** Calls `f(const OcTreeKey&, float probability)` for each occupied finest voxel, in the order of
+ * the octree. \exception std::length_error If there are more than \a max_voxels; f may have been
+ * called for some. */
+template <class F>
+void forEachOccupiedVoxel(const octomap::OcTree& tree, size_t max_voxels, F&& f) {
+  size_t count = 0;
+  forEachLeaf(tree, [&](const OcTreeCube& cube, const octomap::OcTreeNode& node) {
+    if (!tree.isNodeOccupied(node)) return;
+    const uint64_t volume = uint64_t{1} << (3 * (OcTreeCube::kMaxDepth - cube.depth));
+    if (volume > max_voxels || count + volume > max_voxels)
+      throw std::length_error("the map has more than " + std::to_string(max_voxels) +
+                              " occupied voxels");
+    count += volume;
+    const auto probability = static_cast<float>(node.getOccupancy());
+    forEachVoxel(cube, [&](const octomap::OcTreeKey& key) { f(key, probability); });
+  });
+}
+
+}  // namespace mrpt::maps
