@@ -2,9 +2,9 @@
 #pragma once
 
 #include <mrpt/config/CLoadableOptions.h>
+#include <mrpt/fusion_compat.h>
 #include <mrpt/maps/CMetricMap.h>
 #include <mrpt/maps/COctoMap.h>
-#include <mrpt/version.h>
 #include <octomap/OcTree.h>
 
 #include <memory>
@@ -146,9 +146,9 @@ class CProbOctoMap : public CMetricMap {
 
   bool isEmpty() const override { return m_octree->size() == 0; }
   std::string asString() const override;
-  void getVisualizationInto(mrpt::opengl::CSetOfObjects& o) const override;
+  void getVisualizationInto(viz::CSetOfObjects& o) const override;
   /** Fills an MRPT voxel object as COctoMap does: same voxel sets, colours and renderingOptions. */
-  void getAsOctoMapVoxels(mrpt::opengl::COctoMapVoxels& gl_obj) const;
+  void getAsOctoMapVoxels(viz::COctoMapVoxels& gl_obj) const;
 
  protected:
   void internal_clear() override;
