@@ -13,6 +13,7 @@ packages=(
   libcli11-dev nlohmann-json3-dev
   libgtest-dev
   mrpt-apps mrpt-common             # tests: MRPT's programs, sample data
+  doxygen                           # tests: every public symbol is documented
   xvfb xauth imagemagick libgl1-mesa-dri # tests: windows and pictures of them, without a screen
 )
 if [ "${1:-}" = --benchmark ]; then

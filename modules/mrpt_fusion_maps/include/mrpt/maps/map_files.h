@@ -24,11 +24,12 @@ struct BuildParams {
   /** Map definition as MRPT's apps read it: `<kind>_count` in \a section and the maps' own sections
    * beside it; null: one CProbOctoMap with its default options. Not owned. */
   const mrpt::config::CConfigFileBase* config = nullptr;
-  std::string section = "MappingApplication";
+  std::string section = "MappingApplication";  ///< of \a config
   /** Called with the number of observations inserted so far, if given. */
   std::function<void(size_t inserted)> progress;
 };
 
+/** What buildMap() made. */
 struct BuiltMap {
   /** The map; a CMultiMetricMap if the definition asks for several. */
   CMetricMap::Ptr map;
