@@ -12,7 +12,9 @@ packages=(
   libeigen3-dev libtbb-dev zlib1g-dev liblzma-dev
   libcli11-dev nlohmann-json3-dev
   libgtest-dev
-  mrpt-apps mrpt-common             # tests: rawlog-edit, observations2map, sample data
+  mrpt-apps mrpt-common             # tests: MRPT's programs, sample data
+  doxygen                           # tests: every public symbol is documented
+  xvfb xauth imagemagick libgl1-mesa-dri # tests: windows and pictures of them, without a screen
 )
 if [ "${1:-}" = --benchmark ]; then
   packages+=(libpcl-dev libbenchmark-dev pkg-config python3 python3-matplotlib python3-numpy)

@@ -3,8 +3,6 @@
 #include <mrpt/maps/archive_blobs.h>
 #include <mrpt/maps/octree_compression.h>
 #include <mrpt/maps/octree_io.h>
-#include <mrpt/opengl/CSetOfLines.h>
-#include <mrpt/opengl/CSetOfObjects.h>
 #include <mrpt/serialization/CArchive.h>
 
 #include <algorithm>
@@ -99,9 +97,9 @@ std::string CEdgeVoxelMap::asString() const {
   return mrpt::format("Structural edges, %zu voxels of %.03f m", size(), getResolution());
 }
 
-void CEdgeVoxelMap::getVisualizationInto(mrpt::opengl::CSetOfObjects& o) const {
+void CEdgeVoxelMap::getVisualizationInto(viz::CSetOfObjects& o) const {
   if (!genericMapParams.enableSaveAs3DObject) return;
-  auto lines = mrpt::opengl::CSetOfLines::Create();
+  auto lines = viz::CSetOfLines::Create();
   lines->setColor_u8(mrpt::img::TColor(220, 50, 30));
   lines->setLineWidth(2);
   lines->setName("edges");

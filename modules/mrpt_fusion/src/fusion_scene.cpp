@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/maps/CEdgeVoxelMap.h>
-#include <mrpt/opengl/COctoMapVoxels.h>
-#include <mrpt/opengl/CSetOfLines.h>
-#include <mrpt/opengl/CSetOfObjects.h>
 #include <mrpt/slam/fusion_scene.h>
 
 #include <cmath>
@@ -10,8 +7,8 @@
 using namespace mrpt::fusion;
 using namespace mrpt::slam;
 using mrpt::img::TColor;
-using mrpt::opengl::COctoMapVoxels;
-using mrpt::opengl::CSetOfLines;
+using mrpt::maps::viz::COctoMapVoxels;
+using mrpt::maps::viz::CSetOfLines;
 using mrpt::poses::CPose3D;
 
 namespace {
@@ -49,15 +46,15 @@ CSetOfLines::Ptr drawLines(const char* name, const TColor& colour) {
   return lines;
 }
 
-mrpt::opengl::CSetOfObjects::Ptr drawEdges(const char* name, const EdgeVoxels& edges) {
-  auto set = mrpt::opengl::CSetOfObjects::Create();
+mrpt::maps::viz::CSetOfObjects::Ptr drawEdges(const char* name, const EdgeVoxels& edges) {
+  auto set = mrpt::maps::viz::CSetOfObjects::Create();
   set->setName(name);
   if (edges.size() > 0) mrpt::maps::CEdgeVoxelMap(edges).getVisualizationInto(*set);
   return set;
 }
 
 void drawPairs(const FusionView& view, const OccupiedVoxels& a, const OccupiedVoxels& b,
-               mrpt::opengl::COpenGLScene& scene) {
+               mrpt::maps::Scene& scene) {
   auto inliers = drawLines("inliers", kBlack), outliers = drawLines("outliers", kRed);
   const Eigen::Isometry3d T_a_b = toEigen(view.pose);
   for (const Pair& pair : view.pairs) {
@@ -75,15 +72,15 @@ void drawPairs(const FusionView& view, const OccupiedVoxels& a, const OccupiedVo
 
 }  // namespace
 
-mrpt::opengl::COpenGLScene::Ptr mrpt::slam::drawFusion(const FusionView& view) {
-  auto scene = mrpt::opengl::COpenGLScene::Create();
+mrpt::maps::Scene::Ptr mrpt::slam::drawFusion(const FusionView& view) {
+  auto scene = mrpt::maps::Scene::Create();
   const OccupiedVoxels a = extractOccupiedVoxels(view.a), b = extractOccupiedVoxels(view.b);
   scene->insert(drawVoxels("map A", a, [](double) { return kOrange; }));
   scene->insert(drawEdges("edges A", view.edges_a));
   const auto of_b = {
-      std::static_pointer_cast<mrpt::opengl::CRenderizable>(
+      std::static_pointer_cast<mrpt::maps::viz::CRenderizable>(
           drawVoxels("map B", b, [](double) { return kBlue; })),
-      std::static_pointer_cast<mrpt::opengl::CRenderizable>(drawEdges("edges B", view.edges_b))};
+      std::static_pointer_cast<mrpt::maps::viz::CRenderizable>(drawEdges("edges B", view.edges_b))};
   for (const auto& object : of_b) {
     object->setPose(view.pose);
     scene->insert(object);

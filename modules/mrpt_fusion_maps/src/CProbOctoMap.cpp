@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/fusion_compat.h>
 #include <mrpt/maps/CPointsMap.h>
 #include <mrpt/maps/CProbOctoMap.h>
 #include <mrpt/maps/CSimplePointsMap.h>
@@ -13,9 +14,6 @@
 #include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/obs/CObservationVelodyneScan.h>
-#include <mrpt/opengl/COctoMapVoxels.h>
-#include <mrpt/opengl/COpenGLScene.h>
-#include <mrpt/opengl/CSetOfObjects.h>
 #include <mrpt/serialization/CArchive.h>
 #include <mrpt/serialization/CSchemeArchiveBase.h>
 #include <mrpt/system/filesystem.h>
@@ -60,23 +58,14 @@ void CProbOctoMap::TMapDefinition::dumpToTextStream_map_specific(std::ostream& o
   likelihoodOpts.dumpToTextStream(out);
 }
 
-#if MRPT_VERSION >= 0x020b03
-std::shared_ptr<CMetricMap>
-#else
-CMetricMap*
-#endif
-CProbOctoMap::internal_CreateFromMapDefinition(const TMetricMapInitializer& initializer) {
+CreatedMap CProbOctoMap::internal_CreateFromMapDefinition(
+    const TMetricMapInitializer& initializer) {
   const auto& def = dynamic_cast<const TMapDefinition&>(initializer);
   auto map = std::make_unique<CProbOctoMap>(def.resolution);
   map->insertionOptions = def.insertionOpts;
   map->likelihoodOptions = def.likelihoodOpts;
   map->applySensorModel();
-  return
-#if MRPT_VERSION >= 0x020b03
-      std::shared_ptr<CMetricMap>(std::move(map));
-#else
-      map.release();
-#endif
+  return createdMap(std::move(map));
 }
 
 namespace {
@@ -565,8 +554,8 @@ void CProbOctoMap::saveToOcTreeFile(const std::string& path) const {
 }
 
 void CProbOctoMap::saveMetricMapRepresentationToFile(const std::string& filNamePrefix) const {
-  mrpt::opengl::COpenGLScene scene;
-  auto objects = mrpt::opengl::CSetOfObjects::Create();
+  Scene scene;
+  auto objects = viz::CSetOfObjects::Create();
   getVisualizationInto(*objects);
   scene.insert(objects);
   const std::string path = filNamePrefix + "_3D.3Dscene";
@@ -574,15 +563,15 @@ void CProbOctoMap::saveMetricMapRepresentationToFile(const std::string& filNameP
   saveToOcTreeFile(filNamePrefix + ".ot");
 }
 
-void CProbOctoMap::getVisualizationInto(mrpt::opengl::CSetOfObjects& o) const {
+void CProbOctoMap::getVisualizationInto(viz::CSetOfObjects& o) const {
   if (!genericMapParams.enableSaveAs3DObject) return;
-  auto voxels = mrpt::opengl::COctoMapVoxels::Create();
+  auto voxels = viz::COctoMapVoxels::Create();
   getAsOctoMapVoxels(*voxels);
   o.insert(voxels);
 }
 
-void CProbOctoMap::getAsOctoMapVoxels(mrpt::opengl::COctoMapVoxels& gl) const {
-  using mrpt::opengl::COctoMapVoxels;
+void CProbOctoMap::getAsOctoMapVoxels(viz::COctoMapVoxels& gl) const {
+  using viz::COctoMapVoxels;
   double x_min, y_min, z_min, x_max, y_max, z_max;
   getMetricMin(x_min, y_min, z_min);
   getMetricMax(x_max, y_max, z_max);
@@ -625,17 +614,16 @@ void CProbOctoMap::getAsOctoMapVoxels(mrpt::opengl::COctoMapVoxels& gl) const {
 
   gl.clear();
   gl.resizeVoxelSets(2);
-  gl.showVoxels(mrpt::opengl::VOXEL_SET_OCCUPIED, renderingOptions.visibleOccupiedVoxels);
-  gl.showVoxels(mrpt::opengl::VOXEL_SET_FREESPACE, renderingOptions.visibleFreeVoxels);
+  gl.showVoxels(viz::VOXEL_SET_OCCUPIED, renderingOptions.visibleOccupiedVoxels);
+  gl.showVoxels(viz::VOXEL_SET_FREESPACE, renderingOptions.visibleFreeVoxels);
   for (auto it = m_octree->begin_tree(); it != m_octree->end_tree(); ++it) {
     const mrpt::math::TPoint3D centre(it.getX(), it.getY(), it.getZ());
     if (it.isLeaf()) {
       const bool occupied = m_octree->isNodeOccupied(*it);
       if (occupied ? renderingOptions.generateOccupiedVoxels : renderingOptions.generateFreeVoxels)
-        gl.push_back_Voxel(
-            occupied ? mrpt::opengl::VOXEL_SET_OCCUPIED : mrpt::opengl::VOXEL_SET_FREESPACE,
-            COctoMapVoxels::TVoxel(centre.cast<float>(), it.getSize(),
-                                   colour(centre.z, it->getOccupancy())));
+        gl.push_back_Voxel(occupied ? viz::VOXEL_SET_OCCUPIED : viz::VOXEL_SET_FREESPACE,
+                           COctoMapVoxels::TVoxel(centre.cast<float>(), it.getSize(),
+                                                  colour(centre.z, it->getOccupancy())));
     } else if (renderingOptions.generateGridLines) {
       const double half = 0.5 * it.getSize();
       const mrpt::math::TPoint3D corner(half, half, half);

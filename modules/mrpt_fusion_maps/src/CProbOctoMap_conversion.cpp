@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/fusion_compat.h>
 #include <mrpt/maps/CColouredOctoMap.h>
 #include <mrpt/maps/COccupancyGridMap3D.h>
 #include <mrpt/maps/CProbOctoMap.h>
 #include <mrpt/maps/octree_build.h>
 #include <mrpt/maps/octree_voxels.h>
-#include <mrpt/opengl/COctoMapVoxels.h>
 
 #include <algorithm>
 #include <array>
@@ -75,7 +75,7 @@ class LeafListVisitor {
 template <class TheirMap>
 std::unique_ptr<octomap::OcTree> treeOf(const TheirMap& o) {
   // Its leaf cubes come out through the drawing API, as its renderingOptions allow.
-  mrpt::opengl::COctoMapVoxels voxels;
+  viz::COctoMapVoxels voxels;
   const auto& drawn = o.renderingOptions;
   if (drawn.generateOccupiedVoxels && drawn.generateFreeVoxels) {
     o.getAsOctoMapVoxels(voxels);
@@ -90,7 +90,7 @@ std::unique_ptr<octomap::OcTree> treeOf(const TheirMap& o) {
       *tree, {o.getClampingThresMinLog(), o.getClampingThresMaxLog(), o.getProbHitLog(),
               o.getProbMissLog(), o.getOccupancyThresLog()});
   LeafListVisitor::State leaves;
-  for (const size_t set : {mrpt::opengl::VOXEL_SET_OCCUPIED, mrpt::opengl::VOXEL_SET_FREESPACE})
+  for (const size_t set : {viz::VOXEL_SET_OCCUPIED, viz::VOXEL_SET_FREESPACE})
     for (size_t i = 0; i < voxels.getVoxelCount(set); i++) {
       const auto& v = voxels.getVoxel(set, i);
       const double levels = std::log2(v.side_length / o.getResolution());

@@ -169,11 +169,10 @@ class Builder {
 };
 
 void buildFromSimpleMap(const CSimpleMap& frames, Builder& builder) {
-  for (size_t i = 0; i < frames.size(); i++) {
-    const auto [pdf, observations] = frames.get(i);
+  for (const auto& frame : frames) {
     CPose3D pose;
-    pdf->getMean(pose);
-    for (const auto& obs : *observations) builder.insert(*obs, pose);
+    frame.pose->getMean(pose);
+    for (const auto& obs : *frame.sf) builder.insert(*obs, pose);
   }
 }
 

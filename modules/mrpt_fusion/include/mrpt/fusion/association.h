@@ -9,7 +9,8 @@
 #include <memory>
 #include <vector>
 
-/** \file The paper's Sec. IV-B: which voxel of the scene belongs to which of the model.
+/** \file
+ * The paper's Sec. IV-B: which voxel of the scene belongs to which of the model.
  *
  * The model is map A, the scene is map B; the scene is moved by T_a_b. */
 
@@ -17,10 +18,11 @@ namespace mrpt::fusion {
 
 /** A scene voxel and the model voxel nearest to it by descriptor. */
 struct Pair {
-  uint32_t model, scene;   ///< indices into the two sets of voxels
+  uint32_t model;          ///< index into the model's voxels
+  uint32_t scene;          ///< index into the scene's
   float squared_distance;  ///< between the centres, Euclidean, m^2
 };
-using Pairs = std::vector<Pair>;
+using Pairs = std::vector<Pair>;  ///< one for a scene voxel at most
 
 /** Eq. (15): mean of -p ln p over the voxels of both maps, nats: the uncertainty of the occupancy
  * probabilities. One term of Shannon's entropy, as published: largest at p = 1/e, 0 at p = 1. */
@@ -42,13 +44,14 @@ struct WeightParams {
 
 /** Weights of the squared occupancy and direction differences beside the squared distance, m^2. */
 struct DescriptorWeights {
-  double omega_o = 0;
-  double omega_tau = 0;
+  double omega_o = 0;    ///< of the occupancy difference, m^2
+  double omega_tau = 0;  ///< of the direction difference, m^2
 };
 
 /** Eqs. (17)-(20): omega_o = k1 MSE / H_m, omega_tau = k2 MSE lambda_tau.
- * \param[in] H_m Eq. (15); at 0 (all voxels certain) it is taken as 1e-3, so that omega_o stays
- * finite. \param[in] lambda_tau Eq. (16); 0 at the voxel level, which has no directions. */
+ * \param[in] mse See meanSquaredError(), m^2. \param[in] params k1 and k2. \param[in] H_m Eq. (15);
+ * at 0 (all voxels certain) it is taken as 1e-3, so that omega_o stays finite. \param[in]
+ * lambda_tau Eq. (16); 0 at the voxel level, which has no directions. */
 DescriptorWeights descriptorWeights(double mse, double H_m, double lambda_tau,
                                     const WeightParams& params);
 
@@ -58,16 +61,20 @@ DescriptorWeights descriptorWeights(double mse, double H_m, double lambda_tau,
  * distance, in metres (Table I). */
 class VoxelAssociation {
  public:
+  /** \param[in] model Not owned, must outlive this. */
   explicit VoxelAssociation(const OccupiedVoxels& model);
   ~VoxelAssociation();
-  VoxelAssociation(VoxelAssociation&&) noexcept;
+  VoxelAssociation(VoxelAssociation&&) noexcept;  ///< the other can but be destroyed
 
   /** Makes ready for gates up to this one: after it several threads may associate at once. */
   void prepare(double gate);
 
   /** Which model voxel each scene voxel was paired with; empty at first. */
   using Partners = std::vector<uint32_t>;
-  /** \param[in] among The pairs whose scene voxels to pair; null: all.
+  /** The nearest model voxel by eq. (14) of each scene voxel, if it is near enough.
+   * \param[in] scene Map B's voxels. \param[in] T_a_b Pose of map B in A's frame.
+   * \param[in] weights Of the descriptor's parts. \param[in] gate Largest distance, m.
+   * \param[in] among The pairs whose scene voxels to pair; null: all.
    * \param[in,out] last Of the same scene at a pose nearby: saves time, changes nothing. */
   Pairs associate(const OccupiedVoxels& scene, const Eigen::Isometry3d& T_a_b,
                   const DescriptorWeights& weights, double gate, const Pairs* among = nullptr,
@@ -83,10 +90,12 @@ class VoxelAssociation {
  * VoxelAssociation. */
 class EdgeAssociation {
  public:
+  /** \param[in] model Not owned, must outlive this. */
   explicit EdgeAssociation(const EdgeVoxels& model);
   ~EdgeAssociation();
-  EdgeAssociation(EdgeAssociation&&) noexcept;
+  EdgeAssociation(EdgeAssociation&&) noexcept;  ///< the other can but be destroyed
 
+  /** The nearest model voxel by eq. (13), as VoxelAssociation::associate(). */
   Pairs associate(const EdgeVoxels& scene, const Eigen::Isometry3d& T_a_b,
                   const DescriptorWeights& weights, double gate, const Pairs* among = nullptr);
 

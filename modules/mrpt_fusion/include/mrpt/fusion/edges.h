@@ -8,7 +8,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-/** \file The paper's Algorithm 1: structural edge voxels. */
+/** \file
+ * The paper's Algorithm 1: structural edge voxels. */
 
 namespace mrpt::fusion {
 
@@ -16,9 +17,9 @@ namespace mrpt::fusion {
 struct EdgeParams {
   double normal_radius = 0.25;  ///< r_N for the normals' PCA, lines 2-6, m
   double cost_radius = 0.60;    ///< r_N for the angle cost, eq. (5), m
-  /** Both radii are at least these many voxels, so that coarse maps have neighbours too. */
+  /** Least normal_radius in voxels, so that coarse maps have neighbours too. */
   double min_normal_radius_voxels = 2.5;
-  double min_cost_radius_voxels = 6.0;
+  double min_cost_radius_voxels = 6.0;  ///< least cost_radius in voxels
   /** Largest surface variation lambda_3 / (lambda_1 + lambda_2 + lambda_3) of a voxel that has a
    * normal: near 0 on a plane, 0.09 on a clean right-angled edge, 1/3 inside a solid. */
   double max_surface_variation = 0.2;
@@ -46,7 +47,7 @@ struct EdgeVoxels {
   std::vector<float> probability;          ///< of being occupied
   std::vector<EdgeCovariance> covariance;  ///< Sigma_tau, eq. (6), from neighbouring edge voxels
 
-  size_t size() const { return centre.size(); }
+  size_t size() const { return centre.size(); }  ///< number of voxels
 };
 
 /** The pieces of surface that a map's voxels are, one per voxel. */
@@ -64,11 +65,12 @@ struct Surfaces {
   std::vector<float> weight;
 };
 
-/** Lines 2-6. \param[in] occupied All of the map's occupied voxels: the neighbours of \a voxels,
- * which may be some of them. O(voxels * neighbours). */
+/** Lines 2-6. \param[in] voxels Those to tell of. \param[in] occupied All of the map's, their
+ * neighbours. \param[in] params Radii. O(voxels * neighbours). */
 Surfaces computeSurfaces(const OccupiedVoxels& voxels, const VoxelBlocks& occupied,
                          const EdgeParams& params);
-/** \overload for all of a map's voxels. */
+/** \overload
+ * For all of a map's voxels. */
 Surfaces computeSurfaces(const OccupiedVoxels& voxels, const EdgeParams& params);
 
 /** Eq. (5) for each voxel: the mean |n_j x n_i| over its neighbours, in [0,1]. */
@@ -78,8 +80,8 @@ std::vector<float> computeAngleCosts(const OccupiedVoxels& voxels,
 
 /** Pieces of surface: voxels, and what computeSurfaces() says of each. */
 struct SurfaceVoxels {
-  OccupiedVoxels voxels;
-  Surfaces surfaces;
+  OccupiedVoxels voxels;  ///< m, map frame
+  Surfaces surfaces;      ///< one for each
 };
 
 /** All of Algorithm 1, and eq. (6) for what it finds.
@@ -88,17 +90,19 @@ struct SurfaceVoxels {
  * \param[in] pieces Some of them, spread evenly, whose normals eq. (5) compares: each stands for as
  * many of the voxels as its weight says, which follow each other.
  * \param[in] candidates Indices of the pieces to look in: of the voxels that one stands for at most
- * one is an edge, the one where the surface bends most. */
+ * one is an edge, the one where the surface bends most. \param[in] params All of it. */
 EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const VoxelBlocks& occupied,
                         const SurfaceVoxels& pieces, const std::vector<uint32_t>& candidates,
                         const EdgeParams& params);
-/** \overload for all of a map's voxels. */
+/** \overload
+ * For all of a map's voxels. */
 EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const EdgeParams& params);
 
-/** Eq. (6) for edge voxels that are known: each one's covariance from those within \a
- * direction_radius (m; at least three voxels) around it. O(edges * neighbours).
+/** Eq. (6) for edge voxels that are known: each one's covariance from those around it.
+ * O(edges * neighbours).
  * \param[in] at Their finest-level octree keys, distinct. \param[in] probability Of each.
- * \param[in] grid An octree of their resolution. */
+ * \param[in] grid An octree of their resolution. \param[in] direction_radius How far around, m; at
+ * least three voxels. */
 EdgeVoxels edgeVoxelsAt(const std::vector<octomap::OcTreeKey>& at, std::vector<float> probability,
                         const octomap::OcTree& grid, double direction_radius);
 

@@ -10,10 +10,12 @@
 #include <string>
 #include <vector>
 
-/** \file The paper's Sec. V-A: can a match be trusted? */
+/** \file
+ * The paper's Sec. V-A: can a match be trusted? */
 
 namespace mrpt::fusion {
 
+/** What a match must be like to be accepted. */
 struct EvaluationParams {
   double inlier_mahalanobis = 0.2;  ///< a pair below this distance (not squared) is an inlier
   double max_free_conflict = 0.10;  ///< largest share of voxels found in the other's free space
@@ -27,15 +29,17 @@ struct EvaluationParams {
 struct FreeSpaceCheck {
   size_t agreeing = 0;     ///< the other has them occupied too, or a neighbouring voxel
   size_t conflicting = 0;  ///< the other has seen that place and all around it free of obstacles
+  /** Share that conflicts, [0,1]; 0 if there are none. */
   double conflictRatio() const {
     const size_t n = agreeing + conflicting;
     return n > 0 ? static_cast<double>(conflicting) / static_cast<double>(n) : 0;
   }
 };
 
+/** What evaluateMatch() found. */
 struct Evaluation {
-  size_t pairs = 0;  ///< N_match
-  size_t inliers = 0;
+  size_t pairs = 0;             ///< N_match
+  size_t inliers = 0;           ///< pairs below EvaluationParams::inlier_mahalanobis
   double overlap = 0;           ///< Theta, eq. (25), [0,1]
   double inlier_ratio = 0;      ///< inliers / pairs
   double threshold = 1;         ///< least inlier ratio that is accepted, from Theta
@@ -45,6 +49,7 @@ struct Evaluation {
   double runner_up = 0;         ///< agreement of the second best pose over that of this one
   bool is_ambiguous = false;    ///< the second best pose is nearly as good
   double probability = 0;       ///< that the pose is right, [0,1]
+  /** The verdict. */
   bool accepted = false;
   std::vector<std::string> reasons;  ///< for the verdict, one sentence each
 };
@@ -71,6 +76,7 @@ double probabilityOfBeingRight(double overlap, double conflict_ratio, double run
 /** A map and its occupied voxels. */
 struct MapVoxels {
   MapVoxels() = default;
+  /** Extracts them. \param[in] of Not owned, must outlive this. */
   explicit MapVoxels(const octomap::OcTree& of)
       : map(&of), voxels(extractOccupiedVoxels(of)), occupied(voxels.key) {}
 
@@ -79,7 +85,12 @@ struct MapVoxels {
   VoxelBlocks occupied;                  ///< the same, by their place
 };
 
-enum class Finding : uint8_t { Unknown, Agrees, Conflicts };
+/** See findingAt(). */
+enum class Finding : uint8_t {
+  Unknown,   ///< the map does not know the place
+  Agrees,    ///< it has an obstacle there or in a voxel beside
+  Conflicts  ///< it has seen the place free, and all around it
+};
 
 /** What a map says of an obstacle at a point (m, the map's frame). Only a place seen free with
  * nothing occupied around it contradicts: half a voxel of quantisation in each map is no
@@ -91,8 +102,10 @@ FreeSpaceCheck checkFreeSpace(const MapVoxels& model, const OccupiedVoxels& scen
                               const Eigen::Isometry3d& T_model_scene);
 
 /** Eqs. (23)-(25) on the pairs of a match, joined by what they ignore: a wrong pose can lay floor
- * on floor, but it puts walls where the other robot has seen free space. \param[in] pairs Of voxels
- * at T_a_b, gated as in matching. \param[in] runner_up See MatchResult::runnerUp().
+ * on floor, but it puts walls where the other robot has seen free space. \param[in] a,b The maps A
+ * and B. \param[in] pairs Of voxels at T_a_b, gated as in matching. \param[in] T_a_b Pose of map B
+ * in A's frame. \param[in] params What is accepted. \param[in] runner_up See
+ * MatchResult::runnerUp().
  */
 Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pairs,
                          const Eigen::Isometry3d& T_a_b, const EvaluationParams& params,

@@ -13,7 +13,8 @@
 #include <utility>
 #include <vector>
 
-/** \file The paper's Sec. IV-A: two-level probabilistic map matching (PMM), edges, then voxels. */
+/** \file
+ * The paper's Sec. IV-A: two-level probabilistic map matching (PMM), edges, then voxels. */
 
 namespace mrpt::fusion {
 
@@ -22,23 +23,26 @@ struct MatchParams;
 /** What matching needs of a map; computed once per map. */
 struct MapFeatures : MapVoxels {
   SurfaceVoxels matched;  ///< the voxels that the levels work on
-  EdgeVoxels edges;
+  EdgeVoxels edges;       ///< the structural edges, for the edge level
 };
+/** Extracts them; \a map must outlive the result. Cost: see extractEdges(). */
 MapFeatures computeFeatures(const octomap::OcTree& map, const MatchParams& params);
 /** What matching by edges alone needs: they are the matched voxels, without normals.
  * \param[in] map All that is known of occupied and free space, which may be the edges only.
- * \param[in] edge_tree The edges, occupied. */
+ * \param[in] edge_tree The edges, occupied. \param[in] edges The same with their directions. */
 MapFeatures featuresOfEdges(const octomap::OcTree& map, const octomap::OcTree& edge_tree,
                             const EdgeVoxels& edges);
 /** Indices of the matched voxels in which computeFeatures() looks for edges. */
 std::vector<uint32_t> edgeCandidates(const SurfaceVoxels& matched, const MatchParams& params);
-/** \overload for two maps at once. */
+/** \overload
+ * For two maps at once. */
 std::pair<MapFeatures, MapFeatures> computeFeatures(const octomap::OcTree& map_a,
                                                     const octomap::OcTree& map_b,
                                                     const MatchParams& params);
 
+/** Settings of one of the two levels. */
 struct LevelParams {
-  unsigned max_iterations = 30;
+  unsigned max_iterations = 30;  ///< associations at most
   double gate = 2.0;  ///< pairs are closer than this by the level's descriptor distance, m
   /** The gate shrinks to this, by a fifth when an iteration moves b less than a twentieth of it, m;
    * as published: the gate itself. */
@@ -51,8 +55,9 @@ enum class VoxelMetric {
   Surface  ///< distance between the surfaces they are pieces of, see linearizeSurfaces()
 };
 
+/** Settings of matchMaps() and matchTwoLevel(). */
 struct MatchParams {
-  EdgeParams edges;
+  EdgeParams edges;  ///< Algorithm 1
   /** The levels work on one voxel in each cube of the octree that is at least this wide, the most
    * likely occupied one, which counts for all of them (not in the paper, which takes all: 0), m. */
   double voxel_spacing = 0.2;
@@ -60,13 +65,13 @@ struct MatchParams {
    * this wide (not in the paper; 0: everywhere), m. They tell one of the starts of a search well
    * enough; the edge level alone needs all that there are. */
   double edge_spacing = 0.4;
-  SearchParams search;
-  WeightParams weights;
+  SearchParams search;   ///< for starts around the guess
+  WeightParams weights;  ///< of the descriptors
   /** Unit of eq. (4) beside eq. (6) at the edge level. */
   VoxelCovariance voxel_covariance = VoxelCovariance::Plain;
-  LevelParams edge_level{30, 2.0, 0.8};   ///< gate: Table I
-  LevelParams voxel_level{30, 0.5, 0.2};  ///< gate: Table I; never below two voxels
-  VoxelMetric voxel_metric = VoxelMetric::Surface;
+  LevelParams edge_level{30, 2.0, 0.8};             ///< gate: Table I
+  LevelParams voxel_level{30, 0.5, 0.2};            ///< gate: Table I; never below two voxels
+  VoxelMetric voxel_metric = VoxelMetric::Surface;  ///< what the voxel level minimises
   double flatness = 0.01;  ///< of a surface voxel: variance across over variance along it
   /** Few steps: the pairs change before they have converged. */
   SolverParams solver{2, 1e-5, 1e-5};
@@ -75,12 +80,16 @@ struct MatchParams {
   double min_step_rotation = 1e-4;     ///< rad
 };
 
-enum class Level { Edge = 1, Voxel = 2 };
+/** The levels of matching, in their order. */
+enum class Level {
+  Edge = 1,  ///< structural edges, eq. (21)
+  Voxel = 2  ///< occupied voxels, eq. (22)
+};
 
 /** One iteration: an association and the optimisation that follows it. */
 struct IterationRecord {
-  Level level;
-  size_t pairs;
+  Level level;              ///< of the iteration
+  size_t pairs;             ///< associated
   double mse;               ///< of the association's pairs, m^2
   double step_translation;  ///< m
   double step_rotation;     ///< rad
@@ -89,16 +98,17 @@ struct IterationRecord {
 
 /** A pose that was compared with others. */
 struct RankedPose {
-  Eigen::Isometry3d T_a_b;
-  double agreement;     ///< see agreement()
+  Eigen::Isometry3d T_a_b;  ///< pose of map B in A's frame
+  double agreement;         ///< see agreement()
   Matrix6d covariance;  ///< as MatchResult::covariance, from the few voxels that it was refined on
 };
 
+/** What matching found. */
 struct MatchResult {
-  Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();  ///< pose of map B in A's frame
   /** Of a left perturbation (translation, rotation); huge as long as nothing is known. */
   Matrix6d covariance = 1e6 * Matrix6d::Identity();
-  std::vector<IterationRecord> iterations;
+  std::vector<IterationRecord> iterations;  ///< in their order
   /** The poses that were compared, 0.6 m or 6 deg apart, by agreement(), best first: T_a_b is the
    * first, refined on all voxels. None without a search. */
   std::vector<RankedPose> hypotheses;
@@ -111,10 +121,11 @@ struct MatchResult {
   Pairs pairs;  ///< of voxels at T_a_b, see pairVoxels()
   /** Fewer than this many pairs tell nothing, and no level goes on with them. */
   static constexpr size_t kMinPairs = 10;
+  /** True if there are enough pairs to go by. */
   bool hasPairs() const { return pairs.size() >= kMinPairs; }
 };
 
-using OnIteration = std::function<void(const IterationRecord&)>;
+using OnIteration = std::function<void(const IterationRecord&)>;  ///< see matchTwoLevel()
 
 /** Eqs. (10)-(12): the pose of map B (scene) in A's frame (model) that brings B's edges, then B's
  * voxels, onto A's, from an initial guess.
@@ -123,7 +134,9 @@ using OnIteration = std::function<void(const IterationRecord&)>;
  * to say. Without pairs within the gates it returns the guess and no pairs. Deterministic, whatever
  * the number of threads.
  *
- * \param[in] on_iteration Called after each iteration, if given (progress, plots).
+ * \param[in] a,b Features of the maps A and B. \param[in] T_a_b The guess. \param[in] params All
+ * of it but the search. \param[in] on_iteration Called after each iteration, if given (progress,
+ * plots).
  * Cost: iterations * scene voxels * log(model voxels).
  */
 MatchResult matchTwoLevel(const MapFeatures& a, const MapFeatures& b,
@@ -138,7 +151,8 @@ struct Thinned {
 /** Some of a map's voxels, spread evenly: in each cube of the octree that is at least \a spacing
  * (m) wide the most likely occupied one, for all of them. O(voxels). */
 Thinned thinOut(const OccupiedVoxels& voxels, double spacing);
-/** \overload \param[in] is_better (i, j) -> bool, to choose another. */
+/** \overload
+ * With `is_better(i, j) -> bool` to choose another than the most likely occupied one. */
 template <class IsBetter>
 Thinned thinOut(const OccupiedVoxels& voxels, double spacing, IsBetter&& is_better);
 
@@ -157,6 +171,7 @@ struct Obstacles {
    * seen it from both sides, or knows no free space there. */
   std::vector<Eigen::Vector3f> front;
 };
+/** The obstacles that a map's surface voxels are, with the side from which it has seen them. */
 Obstacles obstaclesOf(const octomap::OcTree& map, const SurfaceVoxels& voxels);
 
 /** How well two maps agree at a pose, by some obstacles of each (not in the paper): how many of

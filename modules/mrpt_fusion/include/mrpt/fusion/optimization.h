@@ -5,7 +5,8 @@
 
 #include <Eigen/Geometry>
 
-/** \file The paper's Sec. IV-C: the pose that brings the pairs together.
+/** \file
+ * The paper's Sec. IV-C: the pose that brings the pairs together.
  *
  * Poses are perturbed on the left, in A's frame, about the middle c of the pairs:
  * `T <- Tr(c) exp(xi) Tr(-c) T`, xi = (translation, rotation). Turning about the pairs themselves
@@ -13,13 +14,13 @@
 
 namespace mrpt::fusion {
 
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;  ///< of a perturbation: m, rad
+using Vector6d = Eigen::Matrix<double, 6, 1>;  ///< a perturbation: translation, m; rotation, rad
 
 /** The normal equations of one linearisation: sum of e' W e = error - 2 g' xi + xi' H xi. */
 struct NormalEquations {
-  Matrix6d H = Matrix6d::Zero();
-  Vector6d g = Vector6d::Zero();
+  Matrix6d H = Matrix6d::Zero();                     ///< Hessian
+  Vector6d g = Vector6d::Zero();                     ///< right-hand side: H xi = g
   double error = 0;                                  ///< sum of squared Mahalanobis distances
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< c, m
 };
@@ -29,11 +30,11 @@ struct NormalEquations {
  * wall (drift, a door ajar), so the pairs of a patch are not independent; patches nearly are. */
 struct GradientScatter {
   Matrix6d S = Matrix6d::Zero();  ///< sum of g g' over the patches, about the same centre as H
-  size_t patches = 0;
+  size_t patches = 0;             ///< number of them
 };
 
 /** Eq. (21), the edge level: e = m - T s, W = (Sigma_m + R Sigma_s R')^-1 with the fused
- * covariances of eq. (9). \param[in] floor_variance See EdgeCovariance::matrix(), m^2. */
+ * covariances of eq. (9). */
 NormalEquations linearizeEdges(const EdgeVoxels& model, const EdgeVoxels& scene, const Pairs& pairs,
                                const Eigen::Isometry3d& T_a_b, VoxelCovariance kind);
 
@@ -46,17 +47,18 @@ NormalEquations linearizeVoxels(const OccupiedVoxels& model, const OccupiedVoxel
  * (22)'s factor times (C_m + R C_s R')^-1, C = I - (1 - flatness) n n', so that surfaces slide
  * along each other; voxels without a normal have C = I. e is between the surfaces' points, not the
  * voxels' centres. A scene voxel that stands for several (Surfaces::weight) counts as so many.
- * \param[in] *_surface One piece per voxel. */
+ * The surfaces hold one piece per voxel. */
 NormalEquations linearizeSurfaces(const OccupiedVoxels& model, const Surfaces& model_surface,
                                   const OccupiedVoxels& scene, const Surfaces& scene_surface,
                                   const Pairs& pairs, const Eigen::Isometry3d& T_a_b,
                                   double flatness);
 
-/** The gradients of both, by patches of the scene. \param[in] centre Of the normal equations, m.
- * \param[in] side Of a patch, m. */
+/** The gradients of linearizeVoxels(), by patches of the scene: cubes of a \a side (m), about the
+ * \a centre of the normal equations (m). */
 GradientScatter scatterVoxels(const OccupiedVoxels& model, const OccupiedVoxels& scene,
                               const Pairs& pairs, const Eigen::Isometry3d& T_a_b,
                               const Eigen::Vector3d& centre, double side);
+/** The same of linearizeSurfaces(). */
 GradientScatter scatterSurfaces(const OccupiedVoxels& model, const Surfaces& model_surface,
                                 const OccupiedVoxels& scene, const Surfaces& scene_surface,
                                 const Pairs& pairs, const Eigen::Isometry3d& T_a_b, double flatness,
@@ -65,6 +67,7 @@ GradientScatter scatterSurfaces(const OccupiedVoxels& model, const Surfaces& mod
 /** exp of a twist (translation part first, as V xi_t; rotation as a vector, rad). */
 Eigen::Isometry3d expSE3(const Vector6d& xi);
 
+/** Settings of optimizePose(). */
 struct SolverParams {
   unsigned max_steps = 10;        ///< Levenberg-Marquardt steps for one set of pairs
   double min_translation = 1e-5;  ///< stop below this step, m

@@ -16,14 +16,16 @@
 
 namespace mrpt::fusion {
 
+/** Settings of searchAround(). Half widths may be infinite: as far as the maps can overlap. */
 struct SearchParams {
-  /** Half widths of the search: in x and y (0: no search) and in z, m, and of the rotation about
-   * A's z axis, rad (20 deg). Infinity: as far as the maps can overlap. */
-  double translation = 2.5, height = 0.6, yaw = 0.3490658503988659;
+  double translation = 2.5;         ///< half width in x and y, m; 0: no search
+  double height = 0.6;              ///< half width in z, m
+  double yaw = 0.3490658503988659;  ///< half width of the rotation about A's z axis, rad (20 deg)
   /** Of the coarse grid, m; at least two voxels, rounded up to a cube of A's octree. */
   double cell = 0.3;
   unsigned hypotheses = 3;  ///< best distinct poses to return
 
+  /** True if nothing bounds the search. */
   bool isEverywhere() const { return std::isinf(translation); }
 };
 
@@ -32,8 +34,8 @@ SearchParams everywhere(SearchParams params);
 
 /** A pose and how well the maps agree there. */
 struct Hypothesis {
-  Eigen::Isometry3d T_a_b;
-  double score;  ///< comparable between poses of the same two maps; higher is better
+  Eigen::Isometry3d T_a_b;  ///< pose of map B in A's frame
+  double score;             ///< comparable between poses of the same two maps; higher is better
 };
 
 /** Scores the poses of a lattice around \a T_a_b: translations by whole cells, rotations about A's
@@ -45,8 +47,9 @@ struct Hypothesis {
  * of a coarser lattice, on A's octree at a lesser depth, then the neighbourhoods of the best. From
  * everywhere() only yaws that lay walls along walls are tried, as far as the maps have any.
  *
- * \param[in] a All of A's occupied voxels. \param[in] surfaces_a Of all or some of them.
- * \param[in] b Some of B's occupied voxels, spread evenly, about one to a cell.
+ * \param[in] map_a Map A. \param[in] a All of A's occupied voxels. \param[in] surfaces_a Of all or
+ * some of them. \param[in] b Some of B's occupied voxels, spread evenly, about one to a cell.
+ * \param[in] T_a_b The guess: pose of map B in A's frame. \param[in] params How far, how finely.
  * \return The best poses that are three cells or 10 deg apart, best first: nearer ones lead to the
  * same place. Deterministic, whatever the number of threads. Cost: yaws * translations * voxels
  * of B, in contiguous runs of bytes.

@@ -4,7 +4,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-/** \file The paper's Sec. III: how uncertain a voxel and a structural edge are. */
+/** \file
+ * The paper's Sec. III: how uncertain a voxel and a structural edge are. */
 
 namespace mrpt::fusion {
 
@@ -14,8 +15,9 @@ enum class VoxelCovariance {
   Quantisation  ///< p^-1 times the variance of a uniform position in the voxel, d_m^2 / 12
 };
 
-/** Eq. (4): the variance, the same along each axis, of a voxel's position, m^2.
- * \param[in] probability Of being occupied, (0,1]. \param[in] resolution Voxel size, metres. */
+/** Eq. (4): the variance, the same along each axis, of a voxel's position, m^2. \param[in] kind Its
+ * unit. \param[in] probability Of being occupied, (0,1]. \param[in] resolution Voxel size, metres.
+ */
 double voxelVariance(double probability, double resolution, VoxelCovariance kind);
 
 /** Eq. (6): the spatial covariance of the edge voxels around one, by its eigen-decomposition. */
@@ -36,7 +38,8 @@ struct EdgeCovariance {
  * Fewer than three points, or all in one place, tell no direction: all eigenvalues come out equal
  * (linearity() is 1/3). O(points). */
 EdgeCovariance edgeCovariance(const std::vector<Eigen::Vector3f>& neighbours);
-/** \overload for the covariance (m^2) of so many neighbours. */
+/** \overload
+ * For the covariance (m^2) of so many neighbours. */
 EdgeCovariance edgeCovariance(const Eigen::Matrix3d& covariance, size_t neighbours);
 
 /** Eqs. (7)-(9): the product of the voxel's and the edge's Gaussians,

@@ -24,17 +24,16 @@ class VoxelBlocks {
    * (as of OccupiedVoxels), O(n log n) otherwise. */
   explicit VoxelBlocks(const std::vector<octomap::OcTreeKey>& keys = {});
 
-  /** Whole voxels along each axis: a place is a key that may lie outside of the key range, an
-   * offset leads from one place to another. */
+  /** Whole voxels along each axis: a key that may lie outside of the key range. */
   using Place = std::array<int, 3>;
-  using Offset = std::array<int, 3>;
+  using Offset = std::array<int, 3>;  ///< from one place to another
 
   /** All offsets longer than one radius and at most as long as another (voxels), as masks: for each
    * cell of a block, which cells of the blocks around it. Memory: 512 bytes times
    * (radius / 2 + 3)^3. */
   class Ball {
    public:
-    /** \param[in] beyond Negative: zero included. */
+    /** Offsets longer than \a beyond (negative: zero included), up to \a radius; voxels. */
     explicit Ball(double radius, double beyond = -1);
 
    private:
@@ -61,8 +60,10 @@ class VoxelBlocks {
   /** Answers quickly whether voxels near a place are there. Not for several threads. */
   class Window {
    public:
-    /** \param[in] reach How far from the place it sees along each axis, voxels. */
+    /** Over \a blocks, which must outlive it; \a reach: how far from the place it sees along each
+     * axis, voxels. */
     Window(const VoxelBlocks& blocks, int reach);
+    /** Looks around another place from now on. */
     void moveTo(const Place& place);
     /** \param[in] offset From the place; within reach along each axis. */
     bool has(const Offset& offset) const {

@@ -19,12 +19,13 @@ struct OccupiedVoxels {
   std::vector<float> probability;       ///< of being occupied, (0,1)
   std::vector<octomap::OcTreeKey> key;  ///< finest-level octree key of each
 
-  size_t size() const { return centre.size(); }
+  size_t size() const { return centre.size(); }  ///< number of voxels
 };
 
 /** Extracts the occupied voxels (probability at least the tree's occupancy threshold), pruned
- * leaves expanded. One traversal, O(nodes + voxels). \param[in] max_voxels Refuse to expand to more
- * voxels than this. \exception std::length_error If there are more.
+ * leaves expanded. One traversal, O(nodes + voxels). \param[in] map An octree. \param[in]
+ * max_voxels Refuse to expand to more voxels than this (a tiny hostile file can hold one leaf that
+ * stands for 2^48 voxels). \exception std::length_error If there are more.
  */
 OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map,
                                      size_t max_voxels = mrpt::maps::kMaxVoxels);
@@ -34,10 +35,12 @@ Eigen::Vector3d meanOf(const std::vector<Eigen::Vector3f>& points);
 
 /** Figures of a map's voxels, each pruned leaf counted as the finest voxels it stands for. */
 struct MapStatistics {
-  size_t occupied = 0, free = 0;     ///< finest voxels
+  size_t occupied = 0;               ///< finest voxels
+  size_t free = 0;                   ///< finest voxels
   double mean_entropy_occupied = 0;  ///< mean of binaryEntropy() over occupied voxels, nats
   double mean_entropy_known = 0;     ///< over occupied and free voxels, nats
 };
+/** Counts all of a map's voxels. One traversal. */
 MapStatistics statisticsOf(const octomap::OcTree& map);
 
 /** Shannon entropy of an occupancy probability, `-p ln p - (1-p) ln(1-p)`, in nats: the measure of

@@ -33,25 +33,28 @@ class CEdgeVoxelMap : public CMetricMap {
 
   /** Centre (m, the map's frame), probability, covariance and by it the direction of each. */
   const mrpt::fusion::EdgeVoxels& edges() const { return m_edges; }
-  size_t size() const { return m_edges.size(); }
+  size_t size() const { return m_edges.size(); }               ///< number of edge voxels
   double getResolution() const { return m_edges.resolution; }  ///< voxel size, m
   /** The edge voxels as occupied ones, all else unknown. Empty if there are none. */
   octomap::OcTree asOcTree() const;
 
-  bool isEmpty() const override { return size() == 0; }
-  std::string asString() const override;
+  bool isEmpty() const override { return size() == 0; }  ///< Whether there is no edge voxel
+  std::string asString() const override;                 ///< One line: resolution and size
   /** A line along each edge voxel's direction, the longer the straighter its neighbourhood is. */
-  void getVisualizationInto(mrpt::opengl::CSetOfObjects& o) const override;
+  void getVisualizationInto(viz::CSetOfObjects& o) const override;
   /** Writes `<prefix>.ply`: see toPly(). */
   void saveMetricMapRepresentationToFile(const std::string& filNamePrefix) const override;
 
  protected:
-  void internal_clear() override { m_edges = {}; }
+  void internal_clear() override { m_edges = {}; }  ///< See clear()
+  /** \return false */
   bool internal_insertObservation(
       const mrpt::obs::CObservation& obs,
       const std::optional<const mrpt::poses::CPose3D>& robotPose = std::nullopt) override;
+  /** \exception std::exception Always: it has no likelihood of observations. */
   double internal_computeObservationLikelihood(
       const mrpt::obs::CObservation& obs, const mrpt::poses::CPose3D& takenFrom) const override;
+  /** \return false */
   bool internal_canComputeObservationLikelihood(const mrpt::obs::CObservation& obs) const override;
 
  private:

@@ -38,34 +38,41 @@ class CProbabilisticMapMatching : public CMetricMapsAlignmentAlgorithm {
 
   /** All parameters of all steps. In .ini files angles end in `_deg`. */
   struct TConfigParams : public mrpt::config::CLoadableOptions {
-    mrpt::fusion::MatchParams match;
-    mrpt::fusion::EvaluationParams evaluation;
-    mrpt::fusion::MergeParams merge;
+    mrpt::fusion::MatchParams match;            ///< of edges() and Align3DPDF()
+    mrpt::fusion::EvaluationParams evaluation;  ///< of the verdict
+    mrpt::fusion::MergeParams merge;            ///< of merge()
 
     /** Missing keys keep their values. \exception std::exception On a value out of range, or a key
      * in the section that is none of these (a misspelt one would else be ignored). */
     void loadFromConfigFile(const mrpt::config::CConfigFileBase& source,
                             const std::string& section) override;
+    /** Saves all keys, each with a comment and its unit. */
     void saveToConfigFile(mrpt::config::CConfigFileBase& target,
                           const std::string& section) const override;
   };
-  TConfigParams options;
+  TConfigParams options;  ///< the defaults are those of share/mrpt_fusion/config_files/pmm.ini
 
+  /** What an alignment tells beside the pose. */
   struct TReturnInfo : public TMetricMapAlignmentResult {
-    bool by_edges = false;  ///< a map is a CEdgeVoxelMap: edges alone were compared
-    unsigned nIterations = 0;
-    mrpt::fusion::MatchResult match;  ///< pose, covariance, iterations with their MSE, pairs
-    mrpt::fusion::Evaluation evaluation;
-    size_t edges_m1 = 0, edges_m2 = 0;    ///< edge voxels
-    size_t voxels_m1 = 0, voxels_m2 = 0;  ///< occupied voxels
+    bool by_edges = false;                ///< a map is a CEdgeVoxelMap: edges alone were compared
+    unsigned nIterations = 0;             ///< of both levels
+    mrpt::fusion::MatchResult match;      ///< pose, covariance, iterations with their MSE, pairs
+    mrpt::fusion::Evaluation evaluation;  ///< the verdict and its reasons
+    size_t edges_m1 = 0;                  ///< edge voxels of m1
+    size_t edges_m2 = 0;                  ///< edge voxels of m2
+    size_t voxels_m1 = 0;                 ///< occupied voxels of m1
+    size_t voxels_m2 = 0;                 ///< occupied voxels of m2
     /** The distinct poses that were compared, best first, one mode each with its covariance; their
      * log-weights are of how well the maps agree there. Empty without a search. */
     mrpt::poses::CPose3DPDFSOG hypotheses{0};
-    /** CPU-independent wall time of each step, seconds. */
-    double seconds_features = 0, seconds_matching = 0, seconds_evaluation = 0;
+    double seconds_features = 0;    ///< wall time of what is computed once per map, s
+    double seconds_matching = 0;    ///< wall time of search and both levels, s
+    double seconds_evaluation = 0;  ///< wall time of the verdict, s
   };
 
-  /** SE(3). \param[in] initialEstimationPDF Its mean is the initial guess (the pose of m2 in m1's
+  /** SE(3).
+   * \param[in] m1,m2 The maps A and B.
+   * \param[in] initialEstimationPDF Its mean is the initial guess (the pose of m2 in m1's
    * frame), and three of its standard deviations bound the search for starts, see searchWithin():
    * noGuess() if nothing is known. With a zero covariance they are those of the options.
    * \param[out] outInfo A TReturnInfo, if wanted.
@@ -87,6 +94,7 @@ class CProbabilisticMapMatching : public CMetricMapsAlignmentAlgorithm {
 
   /** @name Single steps
    * @{ */
+  /** The structural edge voxels of a map, in its frame. */
   mrpt::fusion::EdgeVoxels edges(const mrpt::maps::CMetricMap& map) const;
   /** Judges a given pose of m2 in m1. The result's match has the pairs at that pose. */
   TReturnInfo evaluate(const mrpt::maps::CMetricMap& m1, const mrpt::maps::CMetricMap& m2,

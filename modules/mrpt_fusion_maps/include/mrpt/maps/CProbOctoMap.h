@@ -2,10 +2,10 @@
 #pragma once
 
 #include <mrpt/config/CLoadableOptions.h>
+#include <mrpt/fusion_compat.h>
 #include <mrpt/maps/CMetricMap.h>
 #include <mrpt/maps/COctoMap.h>
 #include <mrpt/poses/CPose3D.h>
-#include <mrpt/version.h>
 #include <octomap/OcTree.h>
 
 #include <memory>
@@ -61,64 +61,73 @@ class CProbOctoMap : public CMetricMap {
   explicit CProbOctoMap(const octomap::OcTree& tree);
   /** A map with the same leaves as \a o, see fromOctoMap(). */
   explicit CProbOctoMap(const COctoMap& o);
+  /** \overload */
   explicit CProbOctoMap(const CColouredOctoMap& o);
   /** A map of the cells of \a o, see fromOccupancyGrid(). */
   explicit CProbOctoMap(const COccupancyGridMap3D& o);
+  /** Copies all of the tree. */
   CProbOctoMap(const CProbOctoMap& o);
+  /** Copies all of the tree. */
   CProbOctoMap& operator=(const CProbOctoMap& o);
+  /** The other can but be destroyed or assigned to. */
   CProbOctoMap(CProbOctoMap&&) = default;
+  /** The other can but be destroyed or assigned to. */
   CProbOctoMap& operator=(CProbOctoMap&&) = default;
   ~CProbOctoMap() override;
 
   /** Names, meaning and defaults as in COctoMap::TInsertionOptions; probabilities in (0,1). They
    * become the octree's sensor model at each insertion. */
   struct TInsertionOptions : public mrpt::config::CLoadableOptions {
-    double maxrange = -1;  //!< Length to which beams are inserted, metres; -1: all of it
-    bool pruning = true;   //!< Prune the tree (without loss) after each insertion
-    double occupancyThres = 0.5;
-    double probHit = 0.7;
-    double probMiss = 0.4;
-    double clampingThresMin = 0.1192;
-    double clampingThresMax = 0.971;
+    double maxrange = -1;         //!< Length to which beams are inserted, metres; -1: all of it
+    bool pruning = true;          //!< Prune the tree (without loss) after each insertion
+    double occupancyThres = 0.5;  //!< Probability from which a voxel is occupied
+    double probHit = 0.7;         //!< Probability that a voxel with a hit is occupied
+    double probMiss = 0.4;        //!< Probability that a voxel crossed by a beam is occupied
+    double clampingThresMin = 0.1192;  //!< Lowest probability that a voxel can reach
+    double clampingThresMax = 0.971;   //!< Highest probability that a voxel can reach
 
-    /** \exception std::exception Naming section and key: an unknown key, or a value that check()
-     * refuses; nothing is changed then. */
+    /** Missing keys keep their values. \exception std::exception Naming section and key: an unknown
+     * key, or a value that check() refuses; nothing is changed then. */
     void loadFromConfigFile(const mrpt::config::CConfigFileBase& source,
                             const std::string& section) override;
+    /** Saves all keys, each with a comment. */
     void saveToConfigFile(mrpt::config::CConfigFileBase& target,
                           const std::string& section) const override;
     /** \exception std::exception Naming the option: a probability not in (0,1), hit or miss not on
      * its side of 0.5, clamping thresholds reversed, a maxrange that is neither -1 nor positive. */
     void check() const;
   };
-  using TLikelihoodOptions = COctoMap::TLikelihoodOptions;
-  using TRenderingOptions = COctoMap::TRenderingOptions;
+  using TLikelihoodOptions = COctoMap::TLikelihoodOptions;  //!< As MRPT's
+  using TRenderingOptions = COctoMap::TRenderingOptions;    //!< As MRPT's
 
-  TInsertionOptions insertionOptions;
-  TLikelihoodOptions likelihoodOptions;
-  TRenderingOptions renderingOptions;
+  TInsertionOptions insertionOptions;    //!< Of insertObservation() and insertPointCloud()
+  TLikelihoodOptions likelihoodOptions;  //!< Of computeObservationLikelihood()
+  TRenderingOptions renderingOptions;    //!< Of getAsOctoMapVoxels()
 
   MAP_DEFINITION_START(CProbOctoMap)
-  double resolution = 0.10;  //!< Voxel size, metres
-  mrpt::maps::CProbOctoMap::TInsertionOptions insertionOpts;
-  mrpt::maps::CProbOctoMap::TLikelihoodOptions likelihoodOpts;
+  double resolution = 0.10;                                     //!< Voxel size, metres
+  mrpt::maps::CProbOctoMap::TInsertionOptions insertionOpts;    //!< insertionOptions
+  mrpt::maps::CProbOctoMap::TLikelihoodOptions likelihoodOpts;  //!< likelihoodOptions
   MAP_DEFINITION_END(CProbOctoMap)
 
   /** @name The octree
    * @{ */
   /** The tree, owned by the map; never null. */
   const octomap::OcTree& octree() const { return *m_octree; }
-  octomap::OcTree& octree() { return *m_octree; }
+  octomap::OcTree& octree() { return *m_octree; }  //!< \overload
   /** Replaces the tree by one taken over; the sensor model in insertionOptions becomes its own. */
   void setOctree(std::unique_ptr<octomap::OcTree> tree);
 
+  /** Voxel size, metres. */
   double getResolution() const { return m_octree->getResolution(); }
   /** Number of nodes, inner ones included. */
   size_t size() const { return m_octree->size(); }
+  /** Number of leaves, pruned ones counted once. */
   size_t getNumLeafNodes() const { return m_octree->getNumLeafNodes(); }
-  size_t memoryUsage() const { return m_octree->memoryUsage(); }
-  /** Box of the known space, metres. */
+  size_t memoryUsage() const { return m_octree->memoryUsage(); }  //!< Of the tree, bytes
+  /** Lowest corner of the known space's box, metres. */
   void getMetricMin(double& x, double& y, double& z) const { m_octree->getMetricMin(x, y, z); }
+  /** Highest corner of the known space's box, metres. */
   void getMetricMax(double& x, double& y, double& z) const { m_octree->getMetricMax(x, y, z); }
   /** Occupancy probability at a point of the map's frame (metres).
    * \return false if the point is unknown; \a prob_occupancy is then untouched. */
@@ -143,16 +152,16 @@ class CProbOctoMap : public CMetricMap {
    * MRPT returns has lost digits), resolution, sensor model and options; not the colours. \a o is
    * not modified. \exception std::exception If o's voxels do not lie on an octree's grid. */
   void fromOctoMap(const COctoMap& o);
-  void fromOctoMap(const CColouredOctoMap& o);
+  void fromOctoMap(const CColouredOctoMap& o);  //!< \overload
   /** Replaces the contents of \a o by this map: same leaves' log-odds, sensor model and options.
    * Cost: one root-to-leaf descent per finest voxel, pruned leaves expanded (MRPT offers no other
    * way in). \exception std::exception If a log-odds value has no probability in double precision
    * (|log-odds| > 36). */
   void toOctoMap(COctoMap& o) const;
-  /** A map to take colours from, and its pose in the frame of the map that is coloured. */
+  /** A map to take colours from. */
   struct ColourSource {
-    const CColouredOctoMap& map;
-    mrpt::poses::CPose3D pose;
+    const CColouredOctoMap& map;  //!< Not owned
+    mrpt::poses::CPose3D pose;    //!< In the coloured map's frame
   };
   /** This map as toOctoMap() gives it, where each occupied leaf has the mean colour that the
    * sources have at its voxels: that of the source's occupied voxel at the same place or, as grids
@@ -193,10 +202,12 @@ class CProbOctoMap : public CMetricMap {
   const CSimplePointsMap* getAsSimplePointsMap() const override;
   /** Frees the points given out. */
   void auxParticleFilterCleanUp() override;
+  /** As CPointsMap has it, with the points of both maps. */
   void determineMatching2D(const CMetricMap* otherMap, const mrpt::poses::CPose2D& otherMapPose,
                            mrpt::tfest::TMatchingPairList& correspondences,
                            const TMatchingParams& params,
                            TMatchingExtraResults& extraResults) const override;
+  /** As CPointsMap has it, with the points of both maps. */
   void determineMatching3D(const CMetricMap* otherMap, const mrpt::poses::CPose3D& otherMapPose,
                            mrpt::tfest::TMatchingPairList& correspondences,
                            const TMatchingParams& params,
@@ -222,20 +233,29 @@ class CProbOctoMap : public CMetricMap {
   void saveMetricMapRepresentationToFile(const std::string& filNamePrefix) const override;
   /** @} */
 
+  /** True if nothing is known anywhere. */
   bool isEmpty() const override { return m_octree->size() == 0; }
-  std::string asString() const override;
-  void getVisualizationInto(mrpt::opengl::CSetOfObjects& o) const override;
+  std::string asString() const override;  //!< One line: resolution and size
+  /** Adds the map's voxels, see getAsOctoMapVoxels(), if genericMapParams say so. */
+  void getVisualizationInto(viz::CSetOfObjects& o) const override;
   /** Fills an MRPT voxel object as COctoMap does: same voxel sets, colours and renderingOptions. */
-  void getAsOctoMapVoxels(mrpt::opengl::COctoMapVoxels& gl_obj) const;
+  void getAsOctoMapVoxels(viz::COctoMapVoxels& gl_obj) const;
 
  protected:
-  void internal_clear() override;
+  /** @name What CMetricMap asks of a map
+   * @{ */
+  void internal_clear() override;  //!< Keeps resolution and options
+  /** Points of 2-D and 3-D scans, in metres in the sensor's frame, seen from the sensor.
+   * \return false if there are none in an observation of this kind. */
   bool internal_insertObservation(
       const mrpt::obs::CObservation& obs,
       const std::optional<const mrpt::poses::CPose3D>& robotPose = std::nullopt) override;
+  /** Sum of the log-probabilities of the voxels at the observation's points. */
   double internal_computeObservationLikelihood(
       const mrpt::obs::CObservation& obs, const mrpt::poses::CPose3D& takenFrom) const override;
+  /** True for the observations that can be inserted. */
   bool internal_canComputeObservationLikelihood(const mrpt::obs::CObservation& obs) const override;
+  /** @} */
 
  private:
   void applySensorModel();

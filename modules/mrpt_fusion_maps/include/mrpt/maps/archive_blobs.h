@@ -7,7 +7,8 @@
 #include <cstdint>
 #include <string>
 
-/** \file Large fields in MRPT's archives, read so that a damaged stream does no harm. */
+/** \file
+ * Large fields in MRPT's archives, read so that a damaged stream does no harm. */
 
 namespace mrpt::maps {
 

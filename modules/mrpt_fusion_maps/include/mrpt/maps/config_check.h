@@ -19,7 +19,11 @@ namespace mrpt::maps {
 void checkKeys(const mrpt::config::CConfigFileBase& source, const std::string& section,
                const std::vector<std::string>& known);
 
-enum class NumberKind { Real, Whole };
+/** Which numbers a setting takes. */
+enum class NumberKind {
+  Real,  ///< any
+  Whole  ///< integers
+};
 
 /** The number at a key. \return \a value if there is no such key.
  * \exception std::exception "[section] key = text is not a number in [min, max]". */

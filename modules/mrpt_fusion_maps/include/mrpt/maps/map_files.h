@@ -21,7 +21,8 @@ namespace mrpt::maps {
  * that is named first here. Not a copy where none is needed: the result is then only valid as long
  * as \a map. Null if there is none. */
 std::shared_ptr<const CProbOctoMap> asProbOctoMap(const CMetricMap& map);
-/** \overload that keeps \a map alive as long as the result. */
+/** \overload
+ * Keeps \a map alive as long as the result. */
 std::shared_ptr<const CProbOctoMap> asProbOctoMap(const CMetricMap::ConstPtr& map);
 
 /** How to make a map of recorded observations. */
@@ -29,11 +30,12 @@ struct BuildParams {
   /** Map definition as MRPT's apps read it: `<kind>_count` in \a section and the maps' own sections
    * beside it; null: one CProbOctoMap with its default options. Not owned. */
   const mrpt::config::CConfigFileBase* config = nullptr;
-  std::string section = "MappingApplication";
+  std::string section = "MappingApplication";  ///< of \a config
   /** Called with the number of observations inserted so far, if given. */
   std::function<void(size_t inserted)> progress;
 };
 
+/** What buildMap() made. */
 struct BuiltMap {
   /** The map; a CMultiMetricMap if the definition asks for several. */
   CMetricMap::Ptr map;

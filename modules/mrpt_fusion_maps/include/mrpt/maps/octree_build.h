@@ -18,14 +18,15 @@ namespace mrpt::maps {
 /** A cube of an octree's grid: its lowest-corner key at the finest level, and its depth
  * (0: the root's cube, 16: a finest voxel). */
 struct OcTreeCube {
-  octomap::OcTreeKey key{0, 0, 0};
-  unsigned depth = 0;
+  octomap::OcTreeKey key{0, 0, 0};  ///< of its lowest finest voxel
+  unsigned depth = 0;               ///< 0: the root's
 
-  static constexpr unsigned kMaxDepth = 16;
+  static constexpr unsigned kMaxDepth = 16;  ///< of the finest voxels
 
   /** Side in finest voxels. */
   uint32_t side() const { return 1U << (kMaxDepth - depth); }
 
+  /** True if the other cube is this one or lies within it. */
   bool contains(const OcTreeCube& o) const {
     if (o.depth < depth) return false;
     for (unsigned axis = 0; axis < 3; axis++)
@@ -44,8 +45,9 @@ struct OcTreeCube {
 };
 
 /** The node of the i-th child cube of a node's cube, for walks that go deeper than this tree does:
- * a leaf, pruned or not, stands for all the cubes below it, and is returned itself. \param[in] node
- * Null if nothing is known of its cube. \return Null if nothing is known of the child's. */
+ * a leaf, pruned or not, stands for all the cubes below it, and is returned itself.
+ * \param[in] tree The node's. \param[in] node Null if nothing is known of its cube.
+ * \param[in] i In OctoMap's order. \return Null if nothing is known of the child's. */
 inline const octomap::OcTreeNode* childOrSelf(const octomap::OcTree& tree,
                                               const octomap::OcTreeNode* node, unsigned i) {
   if (!node || !tree.nodeHasChildren(node)) return node;
@@ -54,12 +56,18 @@ inline const octomap::OcTreeNode* childOrSelf(const octomap::OcTree& tree,
 
 /** What a cube of the tree under construction holds. */
 struct OcTreeFill {
-  enum class Kind { Unknown, Leaf, Split } kind = Kind::Unknown;
-  float log_odds = 0;
+  /** The three things that a cube can be. */
+  enum class Kind {
+    Unknown,  ///< nothing is known of it
+    Leaf,     ///< one value in all of it
+    Split     ///< its children tell
+  };
+  Kind kind = Kind::Unknown;  ///< what the cube is
+  float log_odds = 0;         ///< of a leaf
 
-  static OcTreeFill unknown() { return {}; }
-  static OcTreeFill leaf(float log_odds) { return {Kind::Leaf, log_odds}; }
-  static OcTreeFill split() { return {Kind::Split, 0}; }
+  static OcTreeFill unknown() { return {}; }                                 ///< Kind::Unknown
+  static OcTreeFill leaf(float log_odds) { return {Kind::Leaf, log_odds}; }  ///< Kind::Leaf
+  static OcTreeFill split() { return {Kind::Split, 0}; }                     ///< Kind::Split
 };
 
 /** Reaches what octomap::OcTree keeps protected: its root and its sensor model's log-odds. */
@@ -92,14 +100,20 @@ class OcTreeAccess : private octomap::OcTree {
   }
 
   /** The five log-odds of the sensor model, bit for bit (OctoMap's setters take probabilities and
-   * round): clamping minimum and maximum, hit, miss, occupancy threshold. */
+   * round). */
   struct SensorModel {
-    float clamp_min, clamp_max, hit, miss, occupancy_threshold;
+    float clamp_min;            ///< lowest value that a voxel can reach
+    float clamp_max;            ///< highest value that a voxel can reach
+    float hit;                  ///< added by a hit
+    float miss;                 ///< added by a miss
+    float occupancy_threshold;  ///< voxels from here on are occupied
   };
+  /** The model of a tree. */
   static SensorModel sensorModel(const octomap::OcTree& t) {
     return {t.getClampingThresMinLog(), t.getClampingThresMaxLog(), t.getProbHitLog(),
             t.getProbMissLog(), t.getOccupancyThresLog()};
   }
+  /** Gives a tree another model; its voxels stay as they are. */
   static void setSensorModel(octomap::OcTree& t, const SensorModel& m) {
     t.*(&OcTreeAccess::clamping_thres_min) = m.clamp_min;
     t.*(&OcTreeAccess::clamping_thres_max) = m.clamp_max;
@@ -154,6 +168,7 @@ void buildOcTreeNode(LazyNode& self, const OcTreeCube& cube, typename Visitor::S
  *
  * Equal siblings are pruned and inner nodes hold their children's maximum, as OctoMap keeps them.
  * \param[in,out] tree An empty tree; its resolution and sensor model are not touched.
+ * \param[in] root_state The visitor's state for the root. \param[in,out] visitor As above.
  */
 template <class Visitor>
 void buildOcTree(octomap::OcTree& tree, typename Visitor::State root_state, Visitor& visitor) {

@@ -36,6 +36,7 @@ std::string toBtFile(const octomap::OcTree& tree);
 std::string serializeNodes(const octomap::OcTree& tree);
 
 /** Inverse of serializeNodes(): fills the empty \a tree with the nodes read.
+ * \param[in] bytes All of them. \param[in,out] tree Empty.
  * \param[in] extra_bytes_per_node Bytes to skip between log-odds and mask (a ColorOcTree's 3).
  * \return Number of nodes.
  * \exception std::runtime_error As parseOcTreeFile(); \a tree is then half-filled, discard it.

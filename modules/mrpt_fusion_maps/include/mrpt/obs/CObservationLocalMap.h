@@ -38,11 +38,12 @@ class CObservationLocalMap : public CObservation {
   /** Sets the mean of pose. */
   void setSensorPose(const mrpt::poses::CPose3D& newSensorPose) override;
 
+  /** Robot, sequence, pose and what the map is: what RawLogViewer shows. */
   void getDescriptionAsText(std::ostream& o) const override;
 
-  bool exportTxtSupported() const override { return true; }
-  std::string exportTxtHeader() const override;
-  std::string exportTxtDataRow() const override;
+  bool exportTxtSupported() const override { return true; }  ///< Yes
+  std::string exportTxtHeader() const override;              ///< Names of the columns
+  std::string exportTxtDataRow() const override;  ///< Sequence, pose (m, rad), what the map is
 };
 
 }  // namespace mrpt::obs

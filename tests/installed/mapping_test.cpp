@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/fusion/voxels.h>
+#include <mrpt/io/CMemoryStream.h>
+#include <mrpt/maps/CProbOctoMap.h>
+#include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/maps/octree_io.h>
+#include <mrpt/obs/CObservationPointCloud.h>
+#include <mrpt/obs/CObservationRobotPose.h>
+#include <mrpt/obs/CRawlog.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/serialization/CArchive.h>
+
+#include <set>
+#include <tuple>
+
+#include "mrpt_programs.h"
+
+using namespace mrpt::maps;
+
+namespace {
+
+using Keys = std::set<std::tuple<unsigned, unsigned, unsigned>>;
+
+/** The finest occupied voxels, pruned ones expanded. */
+Keys occupiedKeys(const octomap::OcTree& tree) {
+  Keys keys;
+  for (const auto& k : mrpt::fusion::extractOccupiedVoxels(tree).key)
+    keys.emplace(k[0], k[1], k[2]);
+  return keys;
+}
+
+std::set<float> logOddsOf(const octomap::OcTree& tree) {
+  std::set<float> values;
+  for (auto it = tree.begin_leafs(); it != tree.end_leafs(); ++it) values.insert(it->getLogOdds());
+  return values;
+}
+
+/** Every value and the structure, bit for bit. */
+std::string bitsOf(const CProbOctoMap& map) { return serializeNodes(map.octree()); }
+
+CProbOctoMap loaded(const fs::path& path) {
+  CProbOctoMap map;
+  map.loadFromOcTreeFile(path.string());
+  return map;
+}
+
+/** Every sixth scan of a recording, as keyframes. COctoMap ignores where the sensor is when it
+ * inserts points, so they are given in the robot's frame. */
+CSimpleMap keyframesOf(const std::string& rawlog) {
+  mrpt::obs::CRawlog recording;
+  EXPECT_TRUE(recording.loadFromRawLogFile(rawlog));
+  CSimpleMap frames;
+  mrpt::obs::CObservationRobotPose::Ptr robot;
+  size_t scans = 0;
+  for (const auto& object : recording) {
+    if (auto pose = std::dynamic_pointer_cast<mrpt::obs::CObservationRobotPose>(object))
+      robot = pose;
+    auto scan = std::dynamic_pointer_cast<mrpt::obs::CObservationPointCloud>(object);
+    if (!scan || scans++ % 6 != 0) continue;
+    scan->pointcloud->changeCoordinatesReference(scan->sensorPose);
+    scan->sensorPose = {};
+    auto frame = mrpt::obs::CSensoryFrame::Create();
+    frame->insert(scan);
+    frames.insert(mrpt::poses::CPose3DPDFGaussian::Create(robot->pose), frame);
+  }
+  return frames;
+}
+
+class Mapping : public MrptPrograms {};
+
+TEST_F(Mapping, Observations2mapWritesTheVoxelsOfMrptsMapWithTheirProbabilities) {
+  const CSimpleMap frames = keyframesOf(pair("robot_a.rawlog"));
+  ASSERT_GT(frames.size(), 5U);
+  ASSERT_TRUE(frames.saveToFile((dir_ / "run.simplemap").string()));
+  const auto iniOf = [](const std::string& kind) {
+    return "[MappingApplication]\n" + kind + "_count = 1\n[MappingApplication_" + kind +
+           "_00_creationOpts]\nresolution = 0.2\n[MappingApplication_" + kind +
+           "_00_insertOpts]\nmaxrange = 10\n";
+  };
+  writeFile(dir_ / "ours.ini", iniOf("probOctoMap"));
+  writeFile(dir_ / "mrpts.ini", iniOf("octoMap"));
+  const auto ours = runWithPlugin("observations2map ours.ini run.simplemap ours");
+  ASSERT_EQ(ours.code, 0) << ours.out << ours.err;
+  const auto mrpts = run("observations2map mrpts.ini run.simplemap mrpts");
+  ASSERT_EQ(mrpts.code, 0) << mrpts.out << mrpts.err;
+
+  const CProbOctoMap of_ours = loaded(dir_ / "ours_mrpt__maps__CProbOctoMap_00.ot");
+  const CProbOctoMap of_mrpts = loaded(dir_ / "mrpts_mrpt__maps__COctoMap_00_binary.bt");
+  EXPECT_GT(occupiedKeys(of_ours.octree()).size(), 5000U);
+  EXPECT_EQ(occupiedKeys(of_ours.octree()), occupiedKeys(of_mrpts.octree()));
+  EXPECT_GT(logOddsOf(of_ours.octree()).size(), 20U);
+  EXPECT_EQ(logOddsOf(of_mrpts.octree()).size(), 2U) << "MRPT's files hold occupied and free only";
+
+  // What was saved is what was built, bit for bit.
+  CProbOctoMap built(0.2);
+  built.insertionOptions.maxrange = 10;
+  built.loadFromSimpleMap(frames);
+  EXPECT_EQ(bitsOf(of_ours), bitsOf(built));
+}
+
+/** An object written to a stream and read back. */
+template <class Object>
+void throughAStream(Object& object) {
+  mrpt::io::CMemoryStream stream;
+  auto archive = mrpt::serialization::archiveFrom(stream);
+  archive << object;
+  stream.Seek(0);
+  archive >> object;
+}
+
+TEST_F(Mapping, OnlyOurMapComesBackFromAStreamAsItWent) {
+  CProbOctoMap ours(0.2);
+  COctoMap mrpts(0.2);
+  const CSimpleMap frames = keyframesOf(pair("robot_a.rawlog"));
+  ours.loadFromSimpleMap(frames);
+  mrpts.loadFromSimpleMap(frames);
+  const std::string before = bitsOf(ours);
+  EXPECT_EQ(bitsOf(CProbOctoMap(mrpts)), before);
+  throughAStream(ours);
+  throughAStream(mrpts);
+  EXPECT_EQ(bitsOf(ours), before);
+  EXPECT_EQ(logOddsOf(CProbOctoMap(mrpts).octree()).size(), 2U);
+}
+
+TEST_F(Mapping, IcpSlamBuildsOurMapBesideTheOneItMatchesWith) {
+  writeFile(dir_ / "slam.ini", R"(
+[ICP]
+maxIterations = 100
+thresholdDist = 0.3
+thresholdAng_DEG = 15
+ALFA = 0.5
+smallestThresholdDist = 0.05
+ICP_algorithm = icpClassic
+corresponding_points_decimation = 1
+[MappingApplication]
+rawlog_offset = 0
+logOutput_dir = log
+LOG_FREQUENCY = 1000
+SAVE_3D_SCENE = false
+SAVE_POSE_LOG = false
+CAMERA_3DSCENE_FOLLOWS_ROBOT = false
+SHOW_PROGRESS_3D_REAL_TIME = false
+SHOW_PROGRESS_3D_REAL_TIME_DELAY_MS = 0
+SHOW_LASER_SCANS_3D = false
+localizationLinDistance = 0.1
+localizationAngDistance = 5
+insertionLinDistance = 1.0
+insertionAngDistance = 15.0
+minICPgoodnessToAccept = 0.2
+matchAgainstTheGrid = false
+pointsMap_count = 1
+probOctoMap_count = 1
+[MappingApplication_pointsMap_00_insertOpts]
+minDistBetweenLaserPoints = 0.05
+[MappingApplication_probOctoMap_00_creationOpts]
+resolution = 0.2
+)");
+  // MRPT's recording of a laser scanner on a round of a real building.
+  const auto r = runWithPlugin(
+      "icp-slam slam.ini"
+      " '/usr/share/mrpt/datasets/2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog'");
+  ASSERT_EQ(r.code, 0) << r.out << r.err;
+  const CProbOctoMap map = loaded(dir_ / "log/_finalmaps_.txt_mrpt__maps__CProbOctoMap_01.ot");
+  EXPECT_GT(occupiedKeys(map.octree()).size(), 1000U);
+
+  // It holds the scans of the keyframes that icp-slam has written beside it.
+  CSimpleMap frames;
+  ASSERT_TRUE(frames.loadFromFile((dir_ / "log/_finalmap_.simplemap").string()));
+  CProbOctoMap of_frames(0.2);
+  of_frames.loadFromSimpleMap(frames);
+  EXPECT_EQ(bitsOf(map), bitsOf(of_frames));
+}
+
+}  // namespace

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/maps/CProbOctoMap.h>
+
+#include "mrpt_programs.h"
+
+namespace {
+
+class Windows : public MrptPrograms {};
+
+TEST_F(Windows, SceneViewer3DShowsAMap) {
+  mrpt::maps::CProbOctoMap map;
+  map.loadFromOcTreeFile(pair("map_a.ot"));
+  map.renderingOptions.generateFreeVoxels = false;
+  map.saveMetricMapRepresentationToFile((dir_ / "map").string());
+  expectShows("SceneViewer3D", "map_3D.3Dscene", 5000);
+}
+
+TEST_F(Windows, RawLogViewerShowsARecording) {
+  expectShows("RawLogViewer", "--load=" + plugin() + " " + pair("robot_a.rawlog"), 1000);
+}
+
+}  // namespace
