@@ -70,7 +70,7 @@ void printMatch(const CProbabilisticMapMatching::TReturnInfo& info, std::ostream
   line(out, "verdict          %s", verdictOf(e));
   for (const auto& reason : e.reasons) out << "                 - " << reason << "\n";
   if (e.is_ambiguous)
-    line(out, "second best      %s",
+    line(out, "rival pose       %s",
          poseText(mrpt::fusion::toPose(info.match.hypotheses[1].T_a_b)).c_str());
 }
 

@@ -37,6 +37,7 @@ Options paperOptions() {
   o.evaluation.max_free_conflict = 1;
   o.evaluation.max_runner_up = 1;
   o.evaluation.min_probability = 0;
+  o.evaluation.sure_probability = 0;
   o.evaluation.min_overlap = 0;
   o.merge.policy = mrpt::fusion::MergePolicy::RelativeEntropy;
   return o;

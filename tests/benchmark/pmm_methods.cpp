@@ -17,9 +17,8 @@ class Matching : public Method {
   }
 
   Registration align(const Eigen::Isometry3d& start) override {
-    const MatchResult result = matchMaps(a_, b_, start, settings_.match);
-    const Evaluation evaluation =
-        evaluateMatch(a_, b_, result.pairs, result.T_a_b, settings_.evaluation, result.runnerUp());
+    MatchResult result = matchMaps(a_, b_, start, settings_.match);
+    const Evaluation evaluation = judgeMatch(a_, b_, settings_.match, settings_.evaluation, result);
     return {result.T_a_b, static_cast<unsigned>(result.iterations.size()), evaluation.accepted,
             evaluation.probability, result.covariance};
   }

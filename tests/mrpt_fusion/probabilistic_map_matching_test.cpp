@@ -79,6 +79,7 @@ std::vector<Number> numbersOf(Options& o) {
           {"min_overlap", &o.evaluation.min_overlap, 0.05},
           {"max_runner_up", &o.evaluation.max_runner_up, 0.6},
           {"min_probability", &o.evaluation.min_probability, 0.7},
+          {"sure_probability", &o.evaluation.sure_probability, 0.9},
           {"kl_threshold", &o.merge.kl_threshold, 0.123456}};
 }
 std::vector<Count> countsOf(Options& o) {
@@ -417,6 +418,45 @@ TEST_F(MapMatching, OfARoomThatIsTheSameTurnedRoundIsAmbiguous) {
   with_search.Align3D(&same, &same, CPose3D(0.3, 0.2, 0, 0.1, 0, 0), info);
   EXPECT_FALSE(info.evaluation.is_ambiguous);
   EXPECT_TRUE(info.evaluation.accepted);
+}
+
+TEST_F(MapMatching, AWrongGuessIsFoundOutUnlessTheMatchIsSure) {
+  const auto room = MapWriter(0.1)
+                        .box({0, 0, 0}, {59, 39, 24}, kFree)
+                        .shell({0, 0, 0}, {59, 39, 24}, kOccupied)
+                        .box({15, 10, 1}, {18, 13, 15}, kOccupied)
+                        .box({41, 26, 1}, {44, 29, 15}, kOccupied)
+                        .box({41, 10, 1}, {44, 13, 15}, kOccupied)
+                        .pruned();
+  const CProbOctoMap same = mapOf(*room);
+  const CPose3D turned_round(6, 4, 0, M_PI, 0, 0);  // but for one pillar the room is the same
+  CProbabilisticMapMatching matching;
+  CProbabilisticMapMatching::TReturnInfo info;
+  matching.options.evaluation.sure_probability = 0;
+  matching.Align3D(&same, &same, turned_round, info);
+  ASSERT_TRUE(info.evaluation.accepted);
+  const double stated = info.evaluation.probability;
+
+  matching.options.evaluation.sure_probability = stated;  // sure enough
+  matching.Align3D(&same, &same, turned_round, info);
+  EXPECT_TRUE(info.evaluation.accepted);
+
+  matching.options.evaluation.sure_probability = 1;
+  matching.Align3D(&same, &same, turned_round, info);
+  EXPECT_FALSE(info.evaluation.accepted);
+  EXPECT_TRUE(info.evaluation.is_ambiguous);
+  EXPECT_GT(info.evaluation.runner_up, 1);
+  EXPECT_LT(info.evaluation.probability, 0.5);
+  ASSERT_GE(info.match.hypotheses.size(), 2U);
+  EXPECT_NEAR(degreesBetween(info.match.hypotheses[0].T_a_b, toEigen(turned_round)), 0, 1);
+  EXPECT_LT(metresBetween(info.match.hypotheses[1].T_a_b, Eigen::Isometry3d::Identity()), 0.05);
+
+  const auto judged = matching.evaluate(same, same, turned_round);
+  EXPECT_TRUE(judged.evaluation.is_ambiguous);
+  EXPECT_TRUE(matching.evaluate(same, same, CPose3D()).evaluation.accepted);
+
+  matching.Align3D(&same, &same, CPose3D(0.3, 0.2, 0, 0.1, 0, 0), info);
+  EXPECT_TRUE(info.evaluation.accepted) << "the same search finds nothing better";
 }
 
 TEST_F(MapMatching, WorksThroughItsBaseClass) {

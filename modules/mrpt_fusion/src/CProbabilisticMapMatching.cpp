@@ -111,6 +111,8 @@ std::vector<Entry> entriesOf(CProbabilisticMapMatching::TConfigParams& o) {
   add("min_overlap", v.min_overlap, 0, 1, "Least overlap, eq. (25), to judge by");
   add("min_probability", v.min_probability, 0, 1,
       "Least probability of being right, of the four measures above; 0: not tested");
+  add("sure_probability", v.sure_probability, 0, 1,
+      "A match from a guess that is accepted with less is compared with all other poses; 0: never");
   add("max_runner_up", v.max_runner_up, 0, 1,
       "Largest agreement of the second best pose over that of the best; 1: not tested");
   add("kl_threshold", o.merge.kl_threshold, 0, kInf,
@@ -348,8 +350,7 @@ mrpt::poses::CPose3DPDF::Ptr CProbabilisticMapMatching::Align3DPDF(
   info.seconds_matching = secondsSince(clock);
 
   profiler.enter("evaluate");
-  info.evaluation = evaluateMatch(fa, fb, info.match.pairs, info.match.T_a_b, options.evaluation,
-                                  info.match.runnerUp());
+  info.evaluation = judgeMatch(fa, fb, match_params, options.evaluation, info.match);
   if (info.by_edges) {
     info.evaluation.accepted = false;
     info.evaluation.reasons.emplace_back(
@@ -402,13 +403,13 @@ CProbabilisticMapMatching::TReturnInfo CProbabilisticMapMatching::evaluate(
   const auto a = octomapOf(m1), b = octomapOf(m2);
   const mrpt::system::CTimeLoggerEntry timing(profiler, "evaluate");
   mrpt::system::CTicTac clock;
-  const MapVoxels va(a->octree()), vb(b->octree());
+  const auto [fa, fb] = computeFeatures(a->octree(), b->octree(), options.match);
   TReturnInfo info;
-  info.voxels_m1 = va.voxels.size();
-  info.voxels_m2 = vb.voxels.size();
+  info.voxels_m1 = fa.voxels.size();
+  info.voxels_m2 = fb.voxels.size();
   info.match.T_a_b = toEigen(pose);
-  info.match.pairs = pairVoxels(va.voxels, vb.voxels, info.match.T_a_b, options.match);
-  info.evaluation = evaluateMatch(va, vb, info.match.pairs, info.match.T_a_b, options.evaluation);
+  info.match.pairs = pairVoxels(fa.voxels, fb.voxels, info.match.T_a_b, options.match);
+  info.evaluation = judgeMatch(fa, fb, options.match, options.evaluation, info.match);
   info.executionTime = info.seconds_evaluation = clock.Tac();
   return info;
 }

@@ -105,7 +105,9 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
     judge(!e.is_ambiguous,
           "the second best pose agrees " + percent(runner_up) + " as well, at most " +
               percent(params.max_runner_up) + " may",
-          "ambiguous: the second best pose agrees " + percent(runner_up) + " as well");
+          "ambiguous: " +
+              std::string(runner_up > 1 ? "a pose far from the guess" : "the second best pose") +
+              " agrees " + percent(runner_up) + " as well");
   e.probability = probabilityOfBeingRight(e.overlap, conflict, runner_up, e.inlier_ratio);
   if (params.min_probability > 0)
     judge(e.probability >= params.min_probability,

@@ -268,17 +268,23 @@ SurfaceVoxels fewOf(const SurfaceVoxels& all, double spacing, size_t enough) {
   return {select(voxels, few), select(surfaces, few)};
 }
 
+/** Whether two poses are less than the paper's failure apart. \param[in] middle Of map B. */
+bool isSamePlace(const Eigen::Isometry3d& T, const Eigen::Isometry3d& U,
+                 const Eigen::Vector3d& middle) {
+  constexpr double kFar = 0.6, kTurned = 6 * M_PI / 180;
+  const Eigen::Isometry3d between = T.inverse() * U;
+  return (between * middle - middle).norm() <= kFar &&
+         Eigen::AngleAxisd(between.linear()).angle() <= kTurned;
+}
+
 /** Best first; of those that came to the same place the best. \param[in] middle Of map B. */
 std::vector<RankedPose> distinct(std::vector<RankedPose> all, const Eigen::Vector3d& middle) {
-  constexpr double kFar = 0.6, kTurned = 6 * M_PI / 180;  // another place: the paper's failure
   std::stable_sort(all.begin(), all.end(),
                    [](const auto& g, const auto& h) { return g.agreement > h.agreement; });
   std::vector<RankedPose> best;
   for (const RankedPose& h : all) {
     const bool is_new = std::none_of(best.begin(), best.end(), [&](const RankedPose& g) {
-      const Eigen::Isometry3d between = g.T_a_b.inverse() * h.T_a_b;
-      return (between * middle - middle).norm() <= kFar &&
-             Eigen::AngleAxisd(between.linear()).angle() <= kTurned;
+      return isSamePlace(g.T_a_b, h.T_a_b, middle);
     });
     if (is_new) best.push_back(h);
   }
@@ -344,18 +350,19 @@ class PoseComparison {
 
 namespace {
 
-/** Compares the poses that rival with the best once more, by so many voxels that they differ by
- * more than chance. */
+constexpr size_t kVoxelsOfRivals = 5000;  // poses that rival differ by more than chance on these
+
+/** Compares the poses that rival with the best once more, by more voxels. */
 void compareRivals(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& association,
                    const MatchParams& params, std::vector<RankedPose>& hypotheses) {
   constexpr double kLeast = 0.05;  // of the best's agreement
-  constexpr size_t kMost = 4, kVoxels = 5000;
+  constexpr size_t kMost = 4;
   std::vector<Eigen::Isometry3d> poses;
   for (const RankedPose& h : hypotheses)
     if (poses.size() < kMost && h.agreement > kLeast * hypotheses.front().agreement)
       poses.push_back(h.T_a_b);
   if (poses.size() < 2) return;
-  auto compared = PoseComparison(a, b, association, params, kVoxels).ranked(poses);
+  auto compared = PoseComparison(a, b, association, params, kVoxelsOfRivals).ranked(poses);
   // The others stay as far behind as they were.
   const double scale = compared.front().agreement / hypotheses.front().agreement;
   for (size_t i = poses.size(); i < hypotheses.size(); i++) {
@@ -399,6 +406,44 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
   matchVoxels(a, b, association, std::min(params.voxel_level.gate, final_gate), params, result,
               on_iteration);
   return result;
+}
+
+namespace {
+
+/** Where the maps agree so much better than at the match that this is less than \a as_good of it:
+ * the best pose of all, as the second of result.hypotheses. */
+bool findBetterElsewhere(const MapFeatures& a, const MapFeatures& b, double as_good,
+                         const MatchParams& params, MatchResult& result) {
+  MatchParams unbounded = params;
+  unbounded.search = everywhere(params.search);
+  const MatchResult elsewhere = matchMaps(a, b, result.T_a_b, unbounded);
+  VoxelAssociation association(a.matched.voxels);
+  const auto ranked = PoseComparison(a, b, association, params, kVoxelsOfRivals)
+                          .ranked({result.T_a_b, elsewhere.T_a_b});
+  if (ranked.size() < 2 || ranked[1].agreement > as_good * ranked[0].agreement ||
+      isSamePlace(ranked[0].T_a_b, result.T_a_b, meanOf(b.matched.voxels.centre)))
+    return false;
+  if (result.hypotheses.empty())
+    result.hypotheses.push_back({result.T_a_b, ranked[1].agreement, result.covariance});
+  RankedPose better = ranked[0];
+  better.agreement *= result.hypotheses.front().agreement / ranked[1].agreement;
+  result.hypotheses.insert(result.hypotheses.begin() + 1, better);
+  return true;
+}
+
+}  // namespace
+
+Evaluation judgeMatch(const MapFeatures& a, const MapFeatures& b, const MatchParams& params,
+                      const EvaluationParams& evaluation, MatchResult& result) {
+  const auto judge = [&] {
+    return evaluateMatch(a, b, result.pairs, result.T_a_b, evaluation, result.runnerUp());
+  };
+  const Evaluation e = judge();
+  const bool has_bounds = params.search.translation > 0 && !params.search.isEverywhere();
+  if (has_bounds && e.accepted && e.probability < evaluation.sure_probability &&
+      findBetterElsewhere(a, b, evaluation.max_runner_up, params, result))
+    return judge();
+  return e;
 }
 
 namespace {

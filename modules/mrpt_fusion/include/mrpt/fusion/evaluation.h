@@ -23,6 +23,9 @@ struct EvaluationParams {
   /** Largest agreement of another pose, as a share of that of the pose found. */
   double max_runner_up = 0.75;
   double min_probability = 0.85;  ///< of being right, see probabilityOfBeingRight()
+  /** A match from a guess that is accepted with less than this probability is compared with all
+   * other poses, see judgeMatch(). 0: never. */
+  double sure_probability = 0.985;
 };
 
 /** Voxels that one map has occupied, at their place in the other map. */
@@ -46,8 +49,8 @@ struct Evaluation {
   double mean_mahalanobis = 0;  ///< of the pairs
   double log_likelihood = 0;    ///< log of eq. (23)
   FreeSpaceCheck free_space;    ///< both directions together
-  double runner_up = 0;         ///< agreement of the second best pose over that of this one
-  bool is_ambiguous = false;    ///< the second best pose is nearly as good
+  double runner_up = 0;         ///< agreement of the best other pose over that of this one
+  bool is_ambiguous = false;    ///< that one is nearly as good, or better
   double probability = 0;       ///< that the pose is right, [0,1]
   /** The verdict. */
   bool accepted = false;
@@ -67,7 +70,7 @@ double acceptanceThreshold(double overlap);
 
 /** The probability that a pose is right (within 0.6 m and 6 deg; not in the paper, whose test a
  * shift by one row of pillars passes), of what tells right ones from wrong ones: overlap, eq. (25),
- * share of obstacles in the other map's free space, agreement of the second best pose over that of
+ * share of obstacles in the other map's free space, agreement of the best other pose over that of
  * this one, and inlier ratio; all [0,1]. A logistic regression on matches of simulated buildings,
  * cut to overlaps down to none, mirrored, or of two buildings: see doc/choices.md. */
 double probabilityOfBeingRight(double overlap, double conflict_ratio, double runner_up,

@@ -110,9 +110,10 @@ struct MatchResult {
   Matrix6d covariance = 1e6 * Matrix6d::Identity();
   std::vector<IterationRecord> iterations;  ///< in their order
   /** The poses that were compared, 0.6 m or 6 deg apart, by agreement(), best first: T_a_b is the
-   * first, refined on all voxels. None without a search. */
+   * first, refined on all voxels. None without a search. One that judgeMatch() finds is second. */
   std::vector<RankedPose> hypotheses;
-  /** Agreement of the second hypothesis over that of the first, [0,1]; 0 if there is none. */
+  /** Agreement of the second hypothesis over that of the first; 0 if there is none. In [0,1] but
+   * where that second one was found elsewhere. */
   double runnerUp() const {
     return hypotheses.size() > 1 && hypotheses[0].agreement > 0
                ? hypotheses[1].agreement / hypotheses[0].agreement
@@ -163,6 +164,18 @@ Thinned thinOut(const OccupiedVoxels& voxels, double spacing, IsBetter&& is_bett
  * Without a search (params.search.translation = 0) it is matchTwoLevel(). */
 MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
                       const MatchParams& params, const OnIteration& on_iteration = {});
+
+/** The verdict on a match: evaluateMatch(), with the hypotheses that matchMaps() has compared.
+ *
+ * A search around a guess does not see what lies beyond its reach, and a guess may be wrong. A match
+ * that is accepted, but not as EvaluationParams::sure_probability, is compared with the best pose of
+ * a search from everywhere() (not in the paper). If the maps agree clearly better there, by
+ * EvaluationParams::max_runner_up, that pose becomes the second of result.hypotheses, and the match
+ * is rejected. \param[in] a,b Features of the maps A and B. \param[in] params As for matchMaps().
+ * \param[in] evaluation What is accepted. \param[in,out] result Of matchMaps(), or a pose and its
+ * pairs. Such a comparison costs what matchMaps() costs without a guess. */
+Evaluation judgeMatch(const MapFeatures& a, const MapFeatures& b, const MatchParams& params,
+                      const EvaluationParams& evaluation, MatchResult& result);
 
 /** Some of a map's obstacles, to compare poses with. */
 struct Obstacles {
