@@ -9,6 +9,7 @@
 class MrptPrograms : public ProgramTest {
  protected:
   static std::string plugin() { return INSTALLED_PLUGIN; }
+  static std::string mapFusion() { return INSTALLED_PREFIX "/bin/map-fusion"; }
 
   /** A program that has no flag for plugins, with ours in it. */
   Result runWithPlugin(const std::string& command) const {
