@@ -123,6 +123,8 @@ Json matchJson(const CProbabilisticMapMatching::TReturnInfo& info) {
           {"log_likelihood", e.log_likelihood},
           {"runner_up", e.runner_up},
           {"probability", e.probability},
+          {"deviation_m", e.deviation.translation},
+          {"deviation_deg", mrpt::RAD2DEG(e.deviation.rotation)},
           {"ambiguous", e.is_ambiguous},
           {"hypotheses", hypotheses},
           {"free_space_conflict_ratio", e.free_space.conflictRatio()},

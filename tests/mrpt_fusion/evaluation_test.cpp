@@ -275,5 +275,24 @@ TEST(EvaluateMatch, FreeSpaceSeesWhatTheInliersDoNot) {
   EXPECT_TRUE(c.with(pairVoxels(c.a.voxels, c.b.voxels, c.T_a_b, MatchParams())).accepted);
 }
 
+// ---------------------------------------------------------------- how firmly a pose is held
+
+TEST(Deviation, IsThatOfAPointInTheWorstDirection) {
+  Matrix6d covariance = Matrix6d::Zero();
+  covariance.diagonal() << 0.01, 0.04, 0.09, 1e-4, 4e-4, 9e-4;
+  EXPECT_NEAR(deviationAt(covariance, {0, 0, 0}).translation, 0.3, 1e-12);
+  EXPECT_NEAR(deviationAt(covariance, {0, 0, 0}).rotation, 0.03, 1e-12);
+  // Turning about z by 0.03 rad takes what is 100 m away on x by 3 m along y.
+  EXPECT_NEAR(deviationAt(covariance, {100, 0, 0}).translation, std::sqrt(0.04 + 9), 1e-9);
+}
+
+TEST(Deviation, ProbabilityOfStayingIsThatOfAGaussian) {
+  EXPECT_EQ(probabilityOfStaying({}), 1);
+  EXPECT_NEAR(probabilityOfStaying({0.6, 0}), 0.6827, 1e-4);
+  EXPECT_NEAR(probabilityOfStaying({0, 3 * M_PI / 180}), 0.9545, 1e-4);
+  EXPECT_NEAR(probabilityOfStaying({0.6, 3 * M_PI / 180}), 0.6827 * 0.9545, 1e-4);
+  EXPECT_LT(probabilityOfStaying({1000, 0}), 1e-3);
+}
+
 }  // namespace
 }  // namespace mrpt::fusion::test

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <random>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -373,6 +374,75 @@ TEST_F(Matching, CovarianceIsPositiveDefinite) {
 }
 
 // ---------------------------------------------------------------- nothing to go by
+
+/** A piece of a corridor along x, 2.5 m wide and high, with walls as rough as a robot maps them;
+ * pillars stand in it or not. In a frame of its own. */
+std::unique_ptr<octomap::OcTree> corridor(int x0, int x1, bool with_pillars, unsigned seed,
+                                          const Eigen::Isometry3d& T) {
+  std::mt19937 generator(seed);
+  std::uniform_int_distribution<int> tenth(0, 19);
+  MapWriter map(0.1);
+  map.box({x0, 0, 0}, {x1, 24, 24}, kFree);
+  const auto wall = [&](const Cell& low, const Cell& high, int across) {
+    for (int x = low[0]; x <= high[0]; x++)
+      for (int y = low[1]; y <= high[1]; y++)
+        for (int z = low[2]; z <= high[2]; z++) {
+          Cell c{x, y, z};
+          const int rough = tenth(generator);
+          c[across] += rough == 0 ? 1 : rough == 1 ? -1 : 0;
+          map.voxel(c, kOccupied);
+        }
+  };
+  for (const int at : {0, 24}) {
+    wall({x0, at, 0}, {x1, at, 24}, 1);
+    wall({x0, 0, at}, {x1, 24, at}, 2);
+  }
+  if (with_pillars)
+    for (const int x : {37, 88, 131}) map.box({x, 1, 1}, {x + 3, 4, 23}, kOccupied);
+  return mrpt::maps::transformOcTree(*map.pruned(), T, 0.1);
+}
+
+TEST_F(Matching, ACorridorThatSlidesIsKnownToAndIsNotTrusted) {
+  for (const double yaw : {0.0, 31.0})
+    for (const bool with_pillars : {false, true}) {
+      const Eigen::Isometry3d T_a = poseOf(0.03, 0.02, 0.01, yaw);
+      const Eigen::Isometry3d T_b = poseOf(0.04, -0.03, 0.02, yaw + 3);
+      const auto a = corridor(0, 140, with_pillars, 1, T_a);
+      const auto b = corridor(30, 170, with_pillars, 2, T_b);
+      MatchParams near = params;  // so near that no other pose is compared
+      near.search.translation = 0.3;
+      const auto [fa, fb] = computeFeatures(*a, *b, near);
+      const Eigen::Isometry3d T_a_b = T_a * T_b.inverse();
+      const Eigen::Vector3d middle = T_a_b * meanOf(fb.voxels.centre);
+
+      MatchResult r = matchMaps(fa, fb, T_a_b, near);
+      const PoseDeviation deviation = deviationAt(r.covariance, middle);
+      const Evaluation e = judgeMatch(fa, fb, near, {}, r);
+      MatchResult given;
+      given.T_a_b = T_a_b;
+      given.pairs = pairVoxels(fa.voxels, fb.voxels, T_a_b, near);
+      const Evaluation of_given = judgeMatch(fa, fb, near, {}, given);
+      EXPECT_EQ(e.accepted, with_pillars) << yaw;
+      EXPECT_EQ(of_given.accepted, with_pillars) << yaw;
+      if (with_pillars) {
+        EXPECT_LT(deviation.translation, 0.05);
+        EXPECT_LT(of_given.deviation.translation, 0.05);
+        EXPECT_LT(metresBetween(r.T_a_b, T_a_b), 0.1);
+        continue;
+      }
+      EXPECT_GT(deviation.translation, 10);
+      EXPECT_GT(of_given.deviation.translation, 10);
+      Eigen::Matrix<double, 3, 6> J;  // of the middle of map B
+      J << Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Zero();
+      for (int axis = 0; axis < 3; axis++)
+        J.block<3, 1>(0, 3 + axis) = Eigen::Vector3d::Unit(axis).cross(middle);
+      const Eigen::Matrix3d C =
+          T_a.linear().transpose() * J * r.covariance * J.transpose() * T_a.linear();
+      EXPECT_GT(C(0, 0), 100) << "along the corridor";
+      EXPECT_LT(C(1, 1), 1e-3 * C(0, 0)) << "across it";
+      EXPECT_LT(C(2, 2), 1e-3 * C(0, 0)) << "its height";
+    }
+}
 
 TEST_F(Matching, WithoutPairsReturnsTheGuess) {
   const Eigen::Isometry3d far = truth * poseOf(60, 0, 0, 33);

@@ -10,6 +10,19 @@
 namespace mrpt::fusion {
 namespace {
 
+/** Standard deviations in words. */
+std::string slack(const PoseDeviation& d) {
+  constexpr double kUnbounded = 100;  // m, rad
+  char text[96];
+  if (std::max(d.translation, d.rotation) > kUnbounded)
+    std::snprintf(text, sizeof(text), "it %s freely",
+                  d.translation > kUnbounded ? "slides" : "turns");
+  else
+    std::snprintf(text, sizeof(text), "standard deviations %.2g m, %.2g deg", d.translation,
+                  d.rotation * 180 / M_PI);
+  return text;
+}
+
 std::string percent(double ratio) {
   char text[32];
   std::snprintf(text, sizeof(text), "%.1f %%", 100 * ratio);
@@ -38,6 +51,13 @@ double probabilityOfBeingRight(double overlap, double conflict_ratio, double run
   return 1 / (1 + std::exp(-log_odds));
 }
 
+double probabilityOfStaying(const PoseDeviation& deviation) {
+  const auto within = [](double limit, double sigma) {
+    return sigma > 0 ? std::erf(limit / (std::sqrt(2.0) * sigma)) : 1;
+  };
+  return within(0.6, deviation.translation) * within(6 * M_PI / 180, deviation.rotation);
+}
+
 Finding findingAt(const MapVoxels& map, const Eigen::Vector3d& p) {
   static const VoxelBlocks::Ball beside(1.8);  // the 26 voxels around one
   octomap::OcTreeKey key;
@@ -60,7 +80,7 @@ FreeSpaceCheck checkFreeSpace(const MapVoxels& model, const OccupiedVoxels& scen
 
 Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pairs,
                          const Eigen::Isometry3d& T_a_b, const EvaluationParams& params,
-                         double runner_up) {
+                         double runner_up, const PoseDeviation& deviation) {
   Evaluation e;
   e.pairs = pairs.size();
   e.overlap = overlapOf(pairs.size(), a.voxels.size(), b.voxels.size());
@@ -108,7 +128,12 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
           "ambiguous: " +
               std::string(runner_up > 1 ? "a pose far from the guess" : "the second best pose") +
               " agrees " + percent(runner_up) + " as well");
-  e.probability = probabilityOfBeingRight(e.overlap, conflict, runner_up, e.inlier_ratio);
+  constexpr double kHeld = 0.95;
+  e.deviation = deviation;
+  const double stays = probabilityOfStaying(deviation);
+  e.probability = stays * probabilityOfBeingRight(e.overlap, conflict, runner_up, e.inlier_ratio);
+  if (stays < kHeld)
+    e.reasons.push_back("what the maps share does not hold map B in place: " + slack(deviation));
   if (params.min_probability > 0)
     judge(e.probability >= params.min_probability,
           "the pose is right with a probability of " + percent(e.probability),

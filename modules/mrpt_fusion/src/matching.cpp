@@ -3,6 +3,7 @@
 #include <mrpt/fusion/matching.h>
 #include <tbb/parallel_invoke.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -26,13 +27,54 @@ struct LevelProblem {
       scatter;
   double common_variance = 0;  ///< of a shift that all pairs have in common, m^2
 
-  Matrix6d covarianceAt(const Pairs& pairs, const Eigen::Isometry3d& T) const {
-    const NormalEquations equations = linearize(pairs, T);
-    Matrix6d covariance =
-        poseCovariance(equations, pairs.size(), scatter(pairs, T, equations.centre));
+  /** \param[in] step See heldHessian(), m. */
+  Matrix6d covarianceAt(const Pairs& pairs, const Eigen::Isometry3d& T, double step) const {
+    NormalEquations equations = linearize(pairs, T);
+    const GradientScatter gradients = scatter(pairs, T, equations.centre);
+    equations.H = heldHessian(equations, pairs, T, step);
+    Matrix6d covariance = poseCovariance(equations, pairs.size(), gradients);
     // Floors and walls along a grid all lie by the same part of a voxel off their voxels' middles.
     covariance.topLeftCorner<3, 3>() += common_variance * Eigen::Matrix3d::Identity();
     return covariance;
+  }
+
+  /** The Hessian is that of given pairs; but a wall that slides along itself pairs with the next
+   * piece of itself. So each of its eigenvectors counts only as far as the pull back to the pose
+   * grows when the scene is moved along it, by a \a step (m) to either side, and paired anew. */
+  Matrix6d heldHessian(const NormalEquations& equations, const Pairs& pairs,
+                       const Eigen::Isometry3d& T, double step) const {
+    constexpr size_t kEnough = 2000;
+    constexpr double kNotHeld = 0.1;  // 0.6 and more where anything holds, 0.0x along a corridor
+    const size_t stride = (pairs.size() + kEnough - 1) / kEnough;
+    Pairs some;
+    for (size_t i = 0; i < pairs.size(); i += stride) some.push_back(pairs[i]);
+    const NormalEquations at_rest = linearize(some, T);
+    const DescriptorWeights w = weights(meanSquaredError(some));
+    const auto pullAt = [&](const Vector6d& xi) {
+      const Eigen::Isometry3d moved = perturb(T, xi, at_rest.centre);
+      const NormalEquations n = linearize(associate(moved, w, 3 * step, &some), moved);
+      Vector6d g = n.g;
+      g.tail<3>() += (n.centre - at_rest.centre).cross(n.g.head<3>());  // about the same centre
+      return g;
+    };
+
+    // Rotations in metres, at the pairs' distance from their centre.
+    const double reach2 =
+        equations.H.bottomRightCorner<3, 3>().trace() / equations.H.topLeftCorner<3, 3>().trace();
+    if (!(reach2 > 0)) return equations.H;
+    Vector6d scale = Vector6d::Ones();
+    scale.tail<3>() /= std::sqrt(reach2);
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scale.asDiagonal() * equations.H *
+                                                        scale.asDiagonal());
+    Vector6d held = eigen.eigenvalues();
+    for (int i = 0; i < 6; i++) {
+      const Vector6d xi = step * scale.cwiseProduct(eigen.eigenvectors().col(i));
+      const double expected = 2 * xi.dot(at_rest.H * xi);
+      const double found = expected > 0 ? xi.dot(pullAt(-xi) - pullAt(xi)) / expected : 0;
+      held[i] *= found < kNotHeld ? 0 : std::min(found, 1.0);
+    }
+    const Matrix6d V = scale.cwiseInverse().asDiagonal() * eigen.eigenvectors();
+    return V * held.asDiagonal() * V.transpose();
   }
 };
 
@@ -147,9 +189,18 @@ LevelProblem voxelLevel(const SurfaceVoxels& a, const SurfaceVoxels& b,
   return level;
 }
 
+double largerVoxel(const MapFeatures& a, const MapFeatures& b) {
+  return std::max(a.voxels.resolution, b.voxels.resolution);
+}
 /** The least gate of voxel pairs, m. */
-double twoVoxels(const MapFeatures& a, const MapFeatures& b) {
-  return 2 * std::max(a.voxels.resolution, b.voxels.resolution);
+double twoVoxels(const MapFeatures& a, const MapFeatures& b) { return 2 * largerVoxel(a, b); }
+
+/** The covariance of a pose by a level's pairs there. */
+Matrix6d covarianceOf(const MapFeatures& a, const MapFeatures& b, const LevelProblem& level,
+                      const Eigen::Isometry3d& T) {
+  const Pairs pairs = firstPairs(level, T, twoVoxels(a, b));
+  return pairs.size() >= MatchResult::kMinPairs ? level.covarianceAt(pairs, T, largerVoxel(a, b))
+                                                : MatchResult().covariance;
 }
 
 /** The voxel level from its gate \a first_gate on, on result.T_a_b; gives the result its covariance
@@ -162,7 +213,7 @@ void matchVoxels(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& a
   from_gate.gate = first_gate;
   const Pairs last = runLevel(level, from_gate, twoVoxels(a, b), params, result, on_iteration);
   if (last.size() >= MatchResult::kMinPairs)
-    result.covariance = level.covarianceAt(last, result.T_a_b);
+    result.covariance = level.covarianceAt(last, result.T_a_b, largerVoxel(a, b));
   result.pairs = pairVoxels(a.voxels, b.voxels, result.T_a_b, params);
 }
 
@@ -317,6 +368,11 @@ class PoseComparison {
     return distinct(std::move(reached), meanOf(few_b_.voxels.centre));
   }
 
+  /** As MatchResult::covariance, by these voxels. */
+  Matrix6d covarianceAt(const Eigen::Isometry3d& T) const {
+    return covarianceOf(a_, b_, voxelLevel(a_.matched, few_b_, association_, params_), T);
+  }
+
   /** Poses are compared before they are known better than this. */
   static MatchParams roughly(MatchParams params) {
     constexpr unsigned kEnough = 15;
@@ -332,10 +388,7 @@ class PoseComparison {
     const LevelProblem level = voxelLevel(a_.matched, few_b_, association_, params_);
     MatchResult result;
     result.T_a_b = start;
-    const Pairs pairs =
-        runLevel(level, params_.voxel_level, twoVoxels(a_, b_), params_, result, {});
-    if (pairs.size() >= MatchResult::kMinPairs)
-      result.covariance = level.covarianceAt(pairs, result.T_a_b);
+    runLevel(level, params_.voxel_level, twoVoxels(a_, b_), params_, result, {});
     return {result.T_a_b, agreement(a_, of_a_, b_, of_b_, result.T_a_b), result.covariance};
   }
 
@@ -401,6 +454,9 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
   }
   result.hypotheses = by_many.ranked(starts);
   compareRivals(a, b, association, params, result.hypotheses);
+  forEachIndex(result.hypotheses.size(), 1, [&](size_t i) {
+    result.hypotheses[i].covariance = by_many.covarianceAt(result.hypotheses[i].T_a_b);
+  });
   result.T_a_b = result.hypotheses.front().T_a_b;
   const double final_gate = std::max(params.voxel_level.final_gate, twoVoxels(a, b));
   matchVoxels(a, b, association, std::min(params.voxel_level.gate, final_gate), params, result,
@@ -435,8 +491,17 @@ bool findBetterElsewhere(const MapFeatures& a, const MapFeatures& b, double as_g
 
 Evaluation judgeMatch(const MapFeatures& a, const MapFeatures& b, const MatchParams& params,
                       const EvaluationParams& evaluation, MatchResult& result) {
+  if (isEmpty(a, b)) return evaluateMatch(a, b, {}, result.T_a_b, evaluation);
+  if (result.iterations.empty()) {  // a pose that was given
+    VoxelAssociation association(a.matched.voxels);
+    result.covariance =
+        covarianceOf(a, b, voxelLevel(a.matched, b.matched, association, params), result.T_a_b);
+  }
+  const PoseDeviation deviation =
+      deviationAt(result.covariance, result.T_a_b * meanOf(b.matched.voxels.centre));
   const auto judge = [&] {
-    return evaluateMatch(a, b, result.pairs, result.T_a_b, evaluation, result.runnerUp());
+    return evaluateMatch(a, b, result.pairs, result.T_a_b, evaluation, result.runnerUp(),
+                         deviation);
   };
   const Evaluation e = judge();
   const bool has_bounds = params.search.translation > 0 && !params.search.isEverywhere();

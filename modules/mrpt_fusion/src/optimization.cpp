@@ -192,6 +192,17 @@ Vector6d solveDamped(const NormalEquations& equations, double lambda) {
   return V * reduced.ldlt().solve(V.transpose() * equations.g);
 }
 
+PoseDeviation deviationAt(const Matrix6d& covariance, const Eigen::Vector3d& point) {
+  Eigen::Matrix<double, 3, 6> J;  // of the point
+  J << Eigen::Matrix3d::Identity(), -skew(point);
+  const auto largest = [](const Eigen::Matrix3d& m) {
+    return std::sqrt(
+        std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(m, Eigen::EigenvaluesOnly)
+                          .eigenvalues()[2]));
+  };
+  return {largest(J * covariance * J.transpose()), largest(covariance.bottomRightCorner<3, 3>())};
+}
+
 Matrix6d poseCovariance(const NormalEquations& at_optimum, size_t pairs,
                         const GradientScatter& scatter, double unknown_variance) {
   const double freedom = std::max(1.0, 3 * static_cast<double>(pairs) - 6);

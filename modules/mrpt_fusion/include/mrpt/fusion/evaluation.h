@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <mrpt/fusion/association.h>
+#include <mrpt/fusion/optimization.h>
 #include <mrpt/fusion/voxel_blocks.h>
 #include <octomap/OcTree.h>
 
@@ -51,6 +51,7 @@ struct Evaluation {
   FreeSpaceCheck free_space;    ///< both directions together
   double runner_up = 0;         ///< agreement of the best other pose over that of this one
   bool is_ambiguous = false;    ///< that one is nearly as good, or better
+  PoseDeviation deviation;      ///< how firmly the pairs hold map B in place
   double probability = 0;       ///< that the pose is right, [0,1]
   /** The verdict. */
   bool accepted = false;
@@ -75,6 +76,10 @@ double acceptanceThreshold(double overlap);
  * cut to overlaps down to none, mirrored, or of two buildings: see doc/choices.md. */
 double probabilityOfBeingRight(double overlap, double conflict_ratio, double runner_up,
                                double inlier_ratio);
+
+/** The probability that a pose is off by at most 0.6 m and 6 deg, each a Gaussian error in the
+ * direction that is known least. */
+double probabilityOfStaying(const PoseDeviation& deviation);
 
 /** A map and its occupied voxels. */
 struct MapVoxels {
@@ -108,10 +113,11 @@ FreeSpaceCheck checkFreeSpace(const MapVoxels& model, const OccupiedVoxels& scen
  * on floor, but it puts walls where the other robot has seen free space. \param[in] a,b The maps A
  * and B. \param[in] pairs Of voxels at T_a_b, gated as in matching. \param[in] T_a_b Pose of map B
  * in A's frame. \param[in] params What is accepted. \param[in] runner_up See
- * MatchResult::runnerUp().
+ * MatchResult::runnerUp(). \param[in] deviation Of the pose: a corridor without features matches
+ * well, but slides.
  */
 Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pairs,
                          const Eigen::Isometry3d& T_a_b, const EvaluationParams& params,
-                         double runner_up = 0);
+                         double runner_up = 0, const PoseDeviation& deviation = {});
 
 }  // namespace mrpt::fusion

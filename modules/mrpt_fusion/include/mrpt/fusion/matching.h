@@ -167,9 +167,9 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
 
 /** The verdict on a match: evaluateMatch(), with the hypotheses that matchMaps() has compared.
  *
- * A search around a guess does not see what lies beyond its reach, and a guess may be wrong. A match
- * that is accepted, but not as EvaluationParams::sure_probability, is compared with the best pose of
- * a search from everywhere() (not in the paper). If the maps agree clearly better there, by
+ * A search around a guess does not see what lies beyond its reach, and a guess may be wrong. A
+ * match that is accepted, but not as EvaluationParams::sure_probability, is compared with the best
+ * pose of a search from everywhere() (not in the paper). If the maps agree clearly better there, by
  * EvaluationParams::max_runner_up, that pose becomes the second of result.hypotheses, and the match
  * is rejected. \param[in] a,b Features of the maps A and B. \param[in] params As for matchMaps().
  * \param[in] evaluation What is accepted. \param[in,out] result Of matchMaps(), or a pose and its

@@ -64,6 +64,16 @@ GradientScatter scatterSurfaces(const OccupiedVoxels& model, const Surfaces& mod
                                 const Pairs& pairs, const Eigen::Isometry3d& T_a_b, double flatness,
                                 const Eigen::Vector3d& centre, double side);
 
+/** Standard deviations of a pose, each in the direction that is known least. */
+struct PoseDeviation {
+  double translation = 0;  ///< of a point, m
+  double rotation = 0;     ///< rad
+};
+
+/** The largest standard deviation of where a point comes to lie, and of the rotation.
+ * \param[in] covariance As poseCovariance(). \param[in] point Where it lies, m, A's frame. */
+PoseDeviation deviationAt(const Matrix6d& covariance, const Eigen::Vector3d& point);
+
 /** exp of a twist (translation part first, as V xi_t; rotation as a vector, rad). */
 Eigen::Isometry3d expSE3(const Vector6d& xi);
 
