@@ -43,7 +43,7 @@ struct LevelProblem {
    * grows when the scene is moved along it, by a \a step (m) to either side, and paired anew. */
   Matrix6d heldHessian(const NormalEquations& equations, const Pairs& pairs,
                        const Eigen::Isometry3d& T, double step) const {
-    constexpr size_t kEnough = 2000;
+    constexpr size_t kEnough = 600;
     constexpr double kNotHeld = 0.1;  // 0.6 and more where anything holds, 0.0x along a corridor
     const size_t stride = (pairs.size() + kEnough - 1) / kEnough;
     Pairs some;
