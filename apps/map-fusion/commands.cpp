@@ -68,6 +68,7 @@ class Run {
     for (const auto& path : {args.output, args.pose_out, args.picture, args.scene, args.json})
       if (!path.empty()) checkWritable(path, inputs);
     if (!args.config.empty()) mrpt::maps::withPath(args.config, [this] { loadConfig(); });
+    if (args.full_6dof) pmm_.options.match.search.rotations = mrpt::fusion::SearchRotations::All;
     pmm_.setMinLoggingLevel(args.verbose ? mrpt::system::LVL_DEBUG : mrpt::system::LVL_ERROR);
     pmm_.onIteration = [this](const mrpt::fusion::IterationRecord& i) {
       const char* level = i.level == mrpt::fusion::Level::Edge ? "edges" : "voxels";

@@ -9,6 +9,7 @@ struct Arguments {
   std::string command;
   std::vector<std::string> maps;   ///< input files: A, B...
   std::string init, pose;          ///< POSE
+  bool full_6dof = false;          ///< the maps have no common vertical
   std::vector<double> init_sigma;  ///< m, deg; empty: as configured
   std::string output;              ///< map or point cloud
   std::string pose_out, picture, scene, json;

@@ -62,6 +62,9 @@ class CommandLine {
         ->expected(2)
         ->check(CLI::NonNegativeNumber)
         ->needs(guess);
+    sub->add_flag("--full-6dof", args_.full_6dof,
+                  "the maps have no common vertical: look for B at any roll and pitch, too")
+        ->excludes(guess);
     sub->add_option("--pose-out", args_.pose_out,
                     "write the estimated pose to FILE, as a 4x4 matrix")
         ->type_name("FILE");

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/slam/CProbabilisticMapMatching.h>
 #include <octomap/octomap.h>
 
 #include <nlohmann/json.hpp>
@@ -8,6 +9,23 @@
 namespace {
 
 class SingleSteps : public AppTest {};
+
+TEST_F(SingleSteps, MatchesMapsWithoutACommonVertical) {
+  ASSERT_EQ(
+      mapFusion("transform " + pair("map_b.ot") + " --pose '[1 2 3 50 -20 90]' -o lying.ot").code,
+      0);
+  const std::string maps = "match " + pair("map_a.ot") + " lying.ot --pose-out T.txt";
+  EXPECT_EQ(mapFusion(maps).code, 3) << "up is not up";
+  const auto r = mapFusion(maps + " --full-6dof");
+  ASSERT_EQ(r.code, 0) << r.out << r.err;
+  const Eigen::Isometry3d lying = mrpt::fusion::toEigen(mrpt::poses::CPose3D(
+      1, 2, 3, mrpt::DEG2RAD(50.0), mrpt::DEG2RAD(-20.0), mrpt::DEG2RAD(90.0)));
+  const Eigen::Isometry3d off =
+      readMatrix(pair("T_a_b.txt")).inverse() * readMatrix(dir_ / "T.txt") * lying;
+  EXPECT_LT(off.translation().norm(), 0.1);
+  EXPECT_LT(Eigen::AngleAxisd(off.linear()).angle(), mrpt::DEG2RAD(1.0));
+  EXPECT_EQ(mapFusion(maps + " --full-6dof --init '[0 0 0 0 0 0]'").code, 2);
+}
 
 TEST_F(SingleSteps, EdgesAreAPointCloudWithDirections) {
   ASSERT_EQ(mapFusion("edges " + pair("map_a.ot") + " -o edges.ply --json report.json").code, 0);

@@ -84,6 +84,26 @@ TEST_F(Matching, FindsThePoseWithoutAGuess) {
   }
 }
 
+TEST_F(Matching, FindsThePoseOfMapsWithoutACommonVertical) {
+  MatchParams no_guess = params;
+  no_guess.search = everywhere(params.search);
+  no_guess.search.rotations = SearchRotations::All;
+  // Upright, upside down, on its side, and every which way; the model lying down, too.
+  for (const auto& [T_a, T_b] :
+       {std::pair(kIdentity, kIdentity), std::pair(kIdentity, poseOf(2, 1, -3, 40, 0, 180)),
+        std::pair(kIdentity, poseOf(0, 5, 0, -110, 12, 90)),
+        std::pair(poseOf(1, 2, 3, 20, 35, -70), poseOf(-4, 0, 2, 70, -50, 25))}) {
+    const auto map_a = mrpt::maps::transformOcTree(*fineMaps().map_a, T_a, 0.1);
+    const auto map_b = mrpt::maps::transformOcTree(*fineMaps().map_b, T_b, 0.1);
+    const auto [a, b] = computeFeatures(*map_a, *map_b, no_guess);
+    const Eigen::Isometry3d T_a_b = T_a * truth * T_b.inverse();
+    MatchResult r = matchMaps(a, b, kIdentity, no_guess);
+    EXPECT_LT(metresBetween(r.T_a_b, T_a_b), 0.1) << T_b.matrix();
+    EXPECT_LT(degreesBetween(r.T_a_b, T_a_b), 1) << T_b.matrix();
+    EXPECT_TRUE(judgeMatch(a, b, no_guess, {}, r).accepted);
+  }
+}
+
 TEST_F(Matching, GivesTheHypothesesThatItCompared) {
   const MatchResult r = matchMaps(fineMaps().a, fineMaps().b, guess, params);
   ASSERT_GE(r.hypotheses.size(), 2U);

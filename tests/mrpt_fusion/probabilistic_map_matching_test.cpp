@@ -89,7 +89,8 @@ std::vector<Count> countsOf(Options& o) {
           {"edge_iterations", &o.match.edge_level.max_iterations, 17},
           {"voxel_iterations", &o.match.voxel_level.max_iterations, 23}};
 }
-const std::set<std::string> kEnumerations = {"voxel_metric", "voxel_covariance", "merge_policy"};
+const std::set<std::string> kEnumerations = {"search_rotations", "voxel_metric", "voxel_covariance",
+                                             "merge_policy"};
 
 double unitOf(const Number& n) {
   const std::string suffix = "_deg";
@@ -128,6 +129,7 @@ TEST(MapMatchingOptions, EachParameterComesBackFromAFile) {
     ASSERT_NE(*c.field, c.value) << c.key;
     *c.field = c.value;
   }
+  saved.match.search.rotations = SearchRotations::All;
   saved.match.voxel_metric = VoxelMetric::Point;
   saved.match.voxel_covariance = VoxelCovariance::Quantisation;
   saved.merge.policy = MergePolicy::Average;
@@ -136,6 +138,7 @@ TEST(MapMatchingOptions, EachParameterComesBackFromAFile) {
   loaded.loadFromConfigFile(CConfigFileMemory(iniOf(saved)), "pmm");
   for (const auto& n : numbersOf(loaded)) EXPECT_NEAR(*n.field, n.value * unitOf(n), 1e-9) << n.key;
   for (const auto& c : countsOf(loaded)) EXPECT_EQ(*c.field, c.value) << c.key;
+  EXPECT_EQ(loaded.match.search.rotations, SearchRotations::All);
   EXPECT_EQ(loaded.match.voxel_metric, VoxelMetric::Point);
   EXPECT_EQ(loaded.match.voxel_covariance, VoxelCovariance::Quantisation);
   EXPECT_EQ(loaded.merge.policy, MergePolicy::Average);
@@ -158,10 +161,12 @@ TEST(MapMatchingOptions, ReadsEachNameOfAnEnumeration) {
     EXPECT_EQ(o.merge.policy, policy) << name;
     EXPECT_NE(iniOf(o).find(name), std::string::npos);
   }
-  load(o, "voxel_covariance = quantisation\nvoxel_metric = point");
+  load(o, "search_rotations = all\nvoxel_covariance = quantisation\nvoxel_metric = point");
+  EXPECT_EQ(o.match.search.rotations, SearchRotations::All);
   EXPECT_EQ(o.match.voxel_covariance, VoxelCovariance::Quantisation);
   EXPECT_EQ(o.match.voxel_metric, VoxelMetric::Point);
-  load(o, "voxel_covariance = plain\nvoxel_metric = surface");
+  load(o, "search_rotations = yaw\nvoxel_covariance = plain\nvoxel_metric = surface");
+  EXPECT_EQ(o.match.search.rotations, SearchRotations::Yaw);
   EXPECT_EQ(o.match.voxel_covariance, VoxelCovariance::Plain);
   EXPECT_EQ(o.match.voxel_metric, VoxelMetric::Surface);
 }

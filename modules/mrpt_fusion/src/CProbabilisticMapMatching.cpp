@@ -127,6 +127,9 @@ const Names<VoxelCovariance> kCovarianceNames = {{VoxelCovariance::Plain, "plain
                                                  {VoxelCovariance::Quantisation, "quantisation"}};
 const Names<VoxelMetric> kMetricNames = {{VoxelMetric::Point, "point"},
                                          {VoxelMetric::Surface, "surface"}};
+const Names<SearchRotations> kRotationNames = {{SearchRotations::Yaw, "yaw"},
+                                               {SearchRotations::All, "all"}};
+constexpr const char* kRotationsKey = "search_rotations";
 constexpr const char* kMetricKey = "voxel_metric";
 constexpr const char* kCovarianceKey = "voxel_covariance";
 constexpr const char* kPolicyKey = "merge_policy";
@@ -162,7 +165,7 @@ void CProbabilisticMapMatching::TConfigParams::loadFromConfigFile(
   TConfigParams loaded(*this);
   const auto entries = entriesOf(loaded);
 
-  std::vector<std::string> keys = {kMetricKey, kCovarianceKey, kPolicyKey};
+  std::vector<std::string> keys = {kRotationsKey, kMetricKey, kCovarianceKey, kPolicyKey};
   for (const Entry& e : entries) keys.emplace_back(e.key);
   mrpt::maps::checkKeys(source, section, keys);
 
@@ -174,6 +177,7 @@ void CProbabilisticMapMatching::TConfigParams::loadFromConfigFile(
                                                             : mrpt::maps::NumberKind::Real);
     e.set(e.unit == Entry::Unit::Degrees ? value * M_PI / 180 : value);
   }
+  loadEnum(source, section, kRotationsKey, kRotationNames, loaded.match.search.rotations);
   loadEnum(source, section, kMetricKey, kMetricNames, loaded.match.voxel_metric);
   loadEnum(source, section, kCovarianceKey, kCovarianceNames, loaded.match.voxel_covariance);
   loadEnum(source, section, kPolicyKey, mergePolicyNames(), loaded.merge.policy);
@@ -188,6 +192,8 @@ void CProbabilisticMapMatching::TConfigParams::saveToConfigFile(
     const double value = e.unit == Entry::Unit::Degrees ? e.get() * 180 / M_PI : e.get();
     target.write(section, e.key, mrpt::format("%g", value), -1, -1, e.comment);
   }
+  target.write(section, kRotationsKey, nameOf(match.search.rotations, kRotationNames), -1, -1,
+               "Without a guess: yaw (up is up in both maps), all (they have no common vertical)");
   target.write(section, kMetricKey, nameOf(match.voxel_metric, kMetricNames), -1, -1,
                "Voxel level: point (eq. 22, as published), surface (along normals)");
   target.write(section, kCovarianceKey, nameOf(match.voxel_covariance, kCovarianceNames), -1, -1,

@@ -443,8 +443,12 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
     matchEdges(a, b, PoseComparison::roughly(params), result, on_iteration);
     starts.push_back(result.T_a_b);
   }
-  for (const Hypothesis& h : searchAround(*a.map, a.voxels, a.matched.surfaces,
-                                          by_many.sceneVoxels(), T_a_b, params.search))
+  const SurfaceVoxels& scene = by_many.sceneVoxels();
+  const bool turns =
+      params.search.isEverywhere() && params.search.rotations == SearchRotations::All;
+  for (const Hypothesis& h :
+       turns ? searchAllRotations(*a.map, a.voxels, a.matched.surfaces, scene, params.search)
+             : searchAround(*a.map, a.voxels, a.matched.surfaces, scene, T_a_b, params.search))
     starts.push_back(h.T_a_b);
   if (starts.empty()) starts.push_back(T_a_b);
   if (starts.size() > kMostByMany) {

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/fusion/search.h>
+#include <mrpt/fusion/voxels.h>
 #include <mrpt/maps/octree_build.h>
+#include <mrpt/maps/octree_resampling.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
 #include <limits>
+#include <memory>
 #include <tuple>
 #include <utility>
 
@@ -625,6 +629,90 @@ std::vector<Hypothesis> searchAround(const octomap::OcTree& map_a, const Occupie
   if (a.size() == 0 || b.voxels.size() == 0 || params.translation <= 0 || params.hypotheses == 0)
     return {};
   return PoseSearch(map_a, a, surfaces_a, b, T_a_b, params).run();
+}
+
+std::vector<Eigen::Vector3d> dominantDirections(const Surfaces& surfaces, size_t most) {
+  constexpr size_t kEnough = 1500;
+  constexpr double kLeast = 0.02;  // of all
+  const double alike = std::cos(8 * M_PI / 180), apart = std::cos(20 * M_PI / 180);
+  std::vector<Eigen::Vector3d> normals;  // times the square root of their weight
+  const size_t stride = (surfaces.normal.size() + kEnough - 1) / kEnough;
+  for (size_t i = 0; i < surfaces.normal.size(); i += stride)
+    if (!surfaces.normal[i].isZero())
+      normals.emplace_back(std::sqrt(surfaces.weight[i]) * surfaces.normal[i].cast<double>());
+  double all = 0;
+  for (const auto& n : normals) all += n.squaredNorm();
+
+  const auto face = [](const Eigen::Vector3d& n, const Eigen::Vector3d& direction, double cosine) {
+    return std::abs(n.dot(direction)) > cosine * n.norm();
+  };
+  std::vector<Eigen::Vector3d> directions;
+  while (directions.size() < most) {
+    double of_best = kLeast * all;
+    Eigen::Vector3d best = Eigen::Vector3d::Zero();
+    for (const auto& candidate : normals) {
+      double sum = 0;
+      for (const auto& n : normals)
+        if (face(n, candidate.normalized(), alike)) sum += n.squaredNorm();
+      if (sum > of_best) {
+        of_best = sum;
+        best = candidate.normalized();
+      }
+    }
+    if (best.isZero()) break;
+    Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+    for (const auto& n : normals)
+      if (face(n, best, alike)) scatter += n * n.transpose();
+    directions.emplace_back(
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(2));
+    normals.erase(std::remove_if(normals.begin(), normals.end(),
+                                 [&](const auto& n) { return face(n, directions.back(), apart); }),
+                  normals.end());
+  }
+  return directions;
+}
+
+std::vector<Hypothesis> searchAllRotations(const octomap::OcTree& map_a, const OccupiedVoxels& a,
+                                           const Surfaces& surfaces_a, const SurfaceVoxels& b,
+                                           const SearchParams& params) {
+  constexpr size_t kDirections = 4;
+  const double upright = std::cos(3 * M_PI / 180);  // matching takes up as much
+  const auto facing_a = dominantDirections(surfaces_a, 1);
+  const auto facing_b = dominantDirections(b.surfaces, kDirections);
+  if (facing_a.empty()) return {};
+
+  // A's dominant direction becomes the axis that searchAround() turns about.
+  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+  Eigen::Isometry3d T_turned_a = Eigen::Isometry3d::Identity();
+  std::unique_ptr<octomap::OcTree> turned_map;
+  OccupiedVoxels turned_voxels;
+  Surfaces turned_surfaces;
+  const bool is_upright = std::abs(facing_a[0].dot(z)) > upright;
+  if (!is_upright) {
+    T_turned_a.linear() = Eigen::Quaterniond::FromTwoVectors(facing_a[0], z).toRotationMatrix();
+    turned_map = mrpt::maps::transformOcTree(map_a, T_turned_a, map_a.getResolution());
+    turned_voxels = extractOccupiedVoxels(*turned_map);
+    turned_surfaces = surfaces_a;
+    for (auto& n : turned_surfaces.normal) n = T_turned_a.linear().cast<float>() * n;
+  }
+
+  std::vector<Hypothesis> all;
+  for (const auto& direction : facing_b)
+    for (const double sign : {1.0, -1.0}) {
+      Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+      T.linear() =
+          Eigen::Quaterniond::FromTwoVectors(sign * direction, T_turned_a.linear() * facing_a[0])
+              .toRotationMatrix();
+      auto found = is_upright
+                       ? searchAround(map_a, a, surfaces_a, b, T, params)
+                       : searchAround(*turned_map, turned_voxels, turned_surfaces, b, T, params);
+      for (Hypothesis& h : found) h.T_a_b = T_turned_a.inverse() * h.T_a_b;
+      all.insert(all.end(), found.begin(), found.end());
+    }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const auto& g, const auto& h) { return g.score > h.score; });
+  if (all.size() > params.hypotheses) all.resize(params.hypotheses);
+  return all;
 }
 
 }  // namespace mrpt::fusion

@@ -16,6 +16,12 @@
 
 namespace mrpt::fusion {
 
+/** How map B may be turned against A where nothing is known of its pose. */
+enum class SearchRotations {
+  Yaw,  ///< about A's z axis: up is up in both maps, but for the few degrees that matching takes up
+  All   ///< any: the maps have no common vertical, see searchAllRotations()
+};
+
 /** Settings of searchAround(). Half widths may be infinite: as far as the maps can overlap. */
 struct SearchParams {
   double translation = 2.5;         ///< half width in x and y, m; 0: no search
@@ -23,7 +29,8 @@ struct SearchParams {
   double yaw = 0.3490658503988659;  ///< half width of the rotation about A's z axis, rad (20 deg)
   /** Of the coarse grid, m; at least two voxels, rounded up to a cube of A's octree. */
   double cell = 0.3;
-  unsigned hypotheses = 3;  ///< best distinct poses to return
+  unsigned hypotheses = 3;                           ///< best distinct poses to return
+  SearchRotations rotations = SearchRotations::Yaw;  ///< of a search from everywhere()
 
   /** True if nothing bounds the search. */
   bool isEverywhere() const { return std::isinf(translation); }
@@ -57,5 +64,20 @@ struct Hypothesis {
 std::vector<Hypothesis> searchAround(const octomap::OcTree& map_a, const OccupiedVoxels& a,
                                      const Surfaces& surfaces_a, const SurfaceVoxels& b,
                                      const Eigen::Isometry3d& T_a_b, const SearchParams& params);
+
+/** The directions (unit, either sign stands for both) that most surfaces face, each 20 deg from the
+ * others, the one of the most surface first; none that less than a fiftieth of all surfaces face.
+ */
+std::vector<Eigen::Vector3d> dominantDirections(const Surfaces& surfaces, size_t most);
+
+/** searchAround() for maps that have no common vertical, from everywhere(). What faces A's dominant
+ * direction (mostly its floors and ceilings, or walls) faces one of B's: each of B's four, with
+ * either sign, is turned onto A's, and all turns about it and all translations are searched. So it
+ * finds nothing where surfaces face everywhere alike, as in a cave.
+ * \return The best poses of all these searches. Cost: eight searches, and if A's dominant direction
+ * is not its z axis, an octree that is turned so that it is. */
+std::vector<Hypothesis> searchAllRotations(const octomap::OcTree& map_a, const OccupiedVoxels& a,
+                                           const Surfaces& surfaces_a, const SurfaceVoxels& b,
+                                           const SearchParams& params);
 
 }  // namespace mrpt::fusion
