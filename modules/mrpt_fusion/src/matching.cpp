@@ -149,10 +149,10 @@ void matchEdges(const MapFeatures& a, const MapFeatures& b, const MatchParams& p
   runLevel(problem, params.edge_level, 0, params, result, on_iteration);
 }
 
-/** How the voxel level pairs: all that judging a pose needs of it. */
-LevelProblem voxelPairing(const OccupiedVoxels& a, const OccupiedVoxels& b,
-                          VoxelAssociation& association, const MatchParams& params) {
-  const double H_m = occupancyUncertainty(a.probability, b.probability);
+/** How the voxel level pairs: all that judging a pose needs of it. \param[in] H_m See
+ * occupancyUncertainty(). */
+LevelProblem voxelPairing(const OccupiedVoxels& b, double H_m, VoxelAssociation& association,
+                          const MatchParams& params) {
   LevelProblem problem;
   problem.level = Level::Voxel;
   problem.scene_size = b.size();
@@ -166,9 +166,9 @@ LevelProblem voxelPairing(const OccupiedVoxels& a, const OccupiedVoxels& b,
   return problem;
 }
 
-LevelProblem voxelLevel(const SurfaceVoxels& a, const SurfaceVoxels& b,
+LevelProblem voxelLevel(const SurfaceVoxels& a, const SurfaceVoxels& b, double H_m,
                         VoxelAssociation& association, const MatchParams& params) {
-  LevelProblem level = voxelPairing(a.voxels, b.voxels, association, params);
+  LevelProblem level = voxelPairing(b.voxels, H_m, association, params);
   level.linearize = [&](const Pairs& pairs, const auto& T) {
     return params.voxel_metric == VoxelMetric::Point
                ? linearizeVoxels(a.voxels, b.voxels, pairs, T)
@@ -187,6 +187,14 @@ LevelProblem voxelLevel(const SurfaceVoxels& a, const SurfaceVoxels& b,
                                  params.flatness, centre, kPatch);
   };
   return level;
+}
+
+/** With all of the maps' matched voxels. */
+LevelProblem voxelLevel(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& association,
+                        const MatchParams& params) {
+  const double H_m =
+      occupancyUncertainty(a.matched.voxels.probability, b.matched.voxels.probability);
+  return voxelLevel(a.matched, b.matched, H_m, association, params);
 }
 
 double largerVoxel(const MapFeatures& a, const MapFeatures& b) {
@@ -208,7 +216,7 @@ Matrix6d covarianceOf(const MapFeatures& a, const MapFeatures& b, const LevelPro
 void matchVoxels(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& association,
                  double first_gate, const MatchParams& params, MatchResult& result,
                  const OnIteration& on_iteration) {
-  const LevelProblem level = voxelLevel(a.matched, b.matched, association, params);
+  const LevelProblem level = voxelLevel(a, b, association, params);
   LevelParams from_gate = params.voxel_level;
   from_gate.gate = first_gate;
   const Pairs last = runLevel(level, from_gate, twoVoxels(a, b), params, result, on_iteration);
@@ -354,6 +362,7 @@ class PoseComparison {
         association_(association),
         params_(roughly(params)),
         few_b_(fewOf(b.matched, params.search.cell, voxels)),
+        H_m_(occupancyUncertainty(a.matched.voxels.probability, few_b_.voxels.probability)),
         of_a_(obstaclesOf(*a.map, fewOf(a.matched, params.search.cell, voxels))),
         of_b_(obstaclesOf(*b.map, few_b_)) {
     association.prepare(params.voxel_level.gate);
@@ -370,7 +379,7 @@ class PoseComparison {
 
   /** As MatchResult::covariance, by these voxels. */
   Matrix6d covarianceAt(const Eigen::Isometry3d& T) const {
-    return covarianceOf(a_, b_, voxelLevel(a_.matched, few_b_, association_, params_), T);
+    return covarianceOf(a_, b_, level(), T);
   }
 
   /** Poses are compared before they are known better than this. */
@@ -384,11 +393,13 @@ class PoseComparison {
   }
 
  private:
+  /** Its own for each thread. */
+  LevelProblem level() const { return voxelLevel(a_.matched, few_b_, H_m_, association_, params_); }
+
   RankedPose refined(const Eigen::Isometry3d& start) const {
-    const LevelProblem level = voxelLevel(a_.matched, few_b_, association_, params_);
     MatchResult result;
     result.T_a_b = start;
-    runLevel(level, params_.voxel_level, twoVoxels(a_, b_), params_, result, {});
+    runLevel(level(), params_.voxel_level, twoVoxels(a_, b_), params_, result, {});
     return {result.T_a_b, agreement(a_, of_a_, b_, of_b_, result.T_a_b), result.covariance};
   }
 
@@ -396,6 +407,7 @@ class PoseComparison {
   VoxelAssociation& association_;
   const MatchParams params_;
   const SurfaceVoxels few_b_;
+  const double H_m_;
   const Obstacles of_a_, of_b_;
 };
 
@@ -403,16 +415,16 @@ class PoseComparison {
 
 namespace {
 
+constexpr double kLeastOfRivals = 0.05;   // of the best's agreement
 constexpr size_t kVoxelsOfRivals = 5000;  // poses that rival differ by more than chance on these
 
 /** Compares the poses that rival with the best once more, by more voxels. */
 void compareRivals(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& association,
                    const MatchParams& params, std::vector<RankedPose>& hypotheses) {
-  constexpr double kLeast = 0.05;  // of the best's agreement
   constexpr size_t kMost = 4;
   std::vector<Eigen::Isometry3d> poses;
   for (const RankedPose& h : hypotheses)
-    if (poses.size() < kMost && h.agreement > kLeast * hypotheses.front().agreement)
+    if (poses.size() < kMost && h.agreement > kLeastOfRivals * hypotheses.front().agreement)
       poses.push_back(h.T_a_b);
   if (poses.size() < 2) return;
   auto compared = PoseComparison(a, b, association, params, kVoxelsOfRivals).ranked(poses);
@@ -459,7 +471,9 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
   result.hypotheses = by_many.ranked(starts);
   compareRivals(a, b, association, params, result.hypotheses);
   forEachIndex(result.hypotheses.size(), 1, [&](size_t i) {
-    result.hypotheses[i].covariance = by_many.covarianceAt(result.hypotheses[i].T_a_b);
+    RankedPose& h = result.hypotheses[i];
+    if (h.agreement > kLeastOfRivals * result.hypotheses.front().agreement)
+      h.covariance = by_many.covarianceAt(h.T_a_b);
   });
   result.T_a_b = result.hypotheses.front().T_a_b;
   const double final_gate = std::max(params.voxel_level.final_gate, twoVoxels(a, b));
@@ -498,8 +512,7 @@ Evaluation judgeMatch(const MapFeatures& a, const MapFeatures& b, const MatchPar
   if (isEmpty(a, b)) return evaluateMatch(a, b, {}, result.T_a_b, evaluation);
   if (result.iterations.empty()) {  // a pose that was given
     VoxelAssociation association(a.matched.voxels);
-    result.covariance =
-        covarianceOf(a, b, voxelLevel(a.matched, b.matched, association, params), result.T_a_b);
+    result.covariance = covarianceOf(a, b, voxelLevel(a, b, association, params), result.T_a_b);
   }
   const PoseDeviation deviation =
       deviationAt(result.covariance, result.T_a_b * meanOf(b.matched.voxels.centre));
@@ -585,7 +598,8 @@ Pairs pairVoxels(const OccupiedVoxels& a, const OccupiedVoxels& b, const Eigen::
                  const MatchParams& params) {
   if (a.size() == 0 || b.size() == 0) return {};
   VoxelAssociation association(a);
-  return firstPairs(voxelPairing(a, b, association, params), T_a_b, params.voxel_level.gate);
+  const double H_m = occupancyUncertainty(a.probability, b.probability);
+  return firstPairs(voxelPairing(b, H_m, association, params), T_a_b, params.voxel_level.gate);
 }
 
 }  // namespace mrpt::fusion

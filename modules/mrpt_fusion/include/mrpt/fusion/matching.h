@@ -100,7 +100,9 @@ struct IterationRecord {
 struct RankedPose {
   Eigen::Isometry3d T_a_b;  ///< pose of map B in A's frame
   double agreement;         ///< see agreement()
-  Matrix6d covariance;  ///< as MatchResult::covariance, from the few voxels that it was refined on
+  /** As MatchResult::covariance, from the few voxels that it was refined on; huge if the maps agree
+   * less than a twentieth as well as at the best pose. */
+  Matrix6d covariance;
 };
 
 /** What matching found. */
