@@ -53,9 +53,32 @@ LoadedMap workable(const CMetricMap::ConstPtr& map) {
   return {octomap, {octomap, &octomap->octree()}};
 }
 
-/** What a robot is called whose map is in a file of its own. */
-std::string nameOf(const std::string& path) {
-  return std::filesystem::path(path).filename().replace_extension().string();
+/** What robots are called whose maps are in files of their own: as the files are, and where several
+ * files are called alike, by the folders that they are in, too. */
+std::vector<std::string> namesOf(const std::vector<std::string>& paths) {
+  namespace fs = std::filesystem;
+  std::vector<std::string> names;
+  std::vector<fs::path> files, folders;
+  for (const auto& path : paths) {
+    files.push_back(fs::absolute(path).lexically_normal());
+    folders.push_back(files.back().parent_path());
+    names.push_back(files.back().filename().replace_extension().string());
+  }
+  std::vector<size_t> alike;
+  do {
+    alike.clear();
+    for (size_t i = 0; i < paths.size(); i++)
+      for (size_t j = 0; j < paths.size(); j++)
+        if (names[i] == names[j] && files[i] != files[j] && folders[i].has_relative_path()) {
+          alike.push_back(i);
+          break;
+        }
+    for (const size_t i : alike) {
+      names[i] = folders[i].filename().string() + "_" + names[i];
+      folders[i] = folders[i].parent_path();
+    }
+  } while (!alike.empty());
+  return names;
 }
 
 /** One run of a subcommand: its settings, its maps, its report. */
@@ -216,13 +239,15 @@ class Run {
   /** The maps of all robots: of recorded missions, and of files with one map each. */
   std::vector<CObservationLocalMap::Ptr> loadLocalMaps() {
     std::vector<CObservationLocalMap::Ptr> robots;
-    for (const auto& path : args_.maps) {
+    const std::vector<std::string> names = namesOf(args_.maps);
+    for (size_t i = 0; i < names.size(); i++) {
+      const std::string& path = args_.maps[i];
       progress_.show("loading " + path);
       auto of_mission = mrpt::maps::loadLocalMaps(path);
       for (const auto& robot : of_mission) reportOnRobot(*robot, path);
       if (of_mission.empty()) {
         auto robot = CObservationLocalMap::Create();
-        robot->sensorLabel = nameOf(path);
+        robot->sensorLabel = names[i];
         robot->map = std::const_pointer_cast<CMetricMap>(load(robot->sensorLabel, path).map);
         of_mission.push_back(robot);
       }

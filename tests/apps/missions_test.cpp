@@ -37,6 +37,21 @@ TEST_F(Missions, AreFused) {
   EXPECT_TRUE(readFile(dir_ / "fused.ot") == readFile(dir_ / "direct.ot"));
 }
 
+TEST_F(Missions, TellFilesOfOneNameApartByTheirFolders) {
+  ASSERT_EQ(run("mkdir -p one/maps two/maps && cp " + pair("map_a.ot") + " one/maps/map.ot && cp " +
+                pair("map_b.ot") + " two/maps/map.ot")
+                .code,
+            0);
+  const auto r = mapFusion("pack one/maps/map.ot two/maps/map.ot -o mission.rawlog");
+  ASSERT_EQ(r.code, 0) << r.err;
+  ASSERT_EQ(mapFusion("fuse mission.rawlog -o fused.ot --json report.json").code, 0);
+  EXPECT_EQ(report().at("robots")[0].at("robot"), "one_maps_map");
+  EXPECT_EQ(report().at("robots")[1].at("robot"), "two_maps_map");
+  const auto same = mapFusion("pack one/maps/map.ot one/../one/maps/map.ot -o twice.rawlog");
+  EXPECT_EQ(same.code, 1);
+  EXPECT_NE(same.err.find("another map of 'map'"), std::string::npos) << same.err;
+}
+
 TEST_F(Missions, CarryMapsWithoutLossInHalfOfWhatGzipMakesOfThem) {
   for (const std::string name : {"map_a", "map_b"}) {
     ASSERT_EQ(mapFusion("pack " + pair(name + ".ot") + " -o " + name + ".rawlog").code, 0);
