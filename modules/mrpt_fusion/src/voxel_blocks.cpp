@@ -67,15 +67,52 @@ VoxelBlocks::VoxelBlocks(const std::vector<octomap::OcTreeKey>& keys) {
     slots_[slot].key = key;
     add(slots_[slot], cellOf(x, y, z), b);
   }
+  linkBlocks();
+}
+
+void VoxelBlocks::linkBlocks() {
+  Place group{};
+  std::array<const Slot*, 27> groups{};  // it and those around it, x fastest
+  for (uint32_t b = 0; b < blocks_.size(); b++) {
+    const auto& [x, y, z] = blocks_[b].place;
+    const Place own{x >> 2, y >> 2, z >> 2};
+    if (b == 0 || own != group) {
+      group = own;
+      auto next = groups.begin();
+      for (int dz = -1; dz <= 1; dz++)
+        for (int dy = -1; dy <= 1; dy++)
+          for (int dx = -1; dx <= 1; dx++) *next++ = find(own[0] + dx, own[1] + dy, own[2] + dz);
+    }
+    // Of a cell and its two neighbours along an axis: in which group, and which bits of its cell.
+    std::array<std::array<size_t, 3>, 3> in{};
+    std::array<std::array<int, 3>, 3> bits{};
+    for (unsigned axis = 0; axis < 3; axis++)
+      for (int d = -1; d <= 1; d++) {
+        const int at = (blocks_[b].place[axis] & 3) + d;
+        in[axis][static_cast<size_t>(d + 1)] = static_cast<size_t>((at >> 2) + 1);
+        bits[axis][static_cast<size_t>(d + 1)] = spread(at) << axis;
+      }
+    auto beside = blocks_[b].beside.begin();
+    for (size_t dz = 0; dz < 3; dz++)
+      for (size_t dy = 0; dy < 3; dy++)
+        for (size_t dx = 0; dx < 3; dx++) {
+          const Slot* slot = groups[in[2][dz] * 9 + in[1][dy] * 3 + in[0][dx]];
+          const int cell = bits[2][dz] | bits[1][dy] | bits[0][dx];
+          *beside++ = slot && (slot->mask >> cell & 1U) ? slot->at(cell) : kNone;
+        }
+  }
 }
 
 VoxelBlocks::Ball::Ball(double radius, double beyond)
-    : radius_(static_cast<int>(radius)), reach_((radius_ + 3) / 4) {
+    : radius_(static_cast<int>(radius)), reach_((radius_ + 3) / 4), part_{} {
   const auto most = static_cast<int>(radius * radius);
   const int least = beyond < 0 ? -1 : static_cast<int>(beyond * beyond);
+  std::vector<int> root(static_cast<size_t>(most) + 1);
+  for (size_t i = 0; i < root.size(); i++)
+    root[i] = static_cast<int>(std::sqrt(static_cast<double>(i)));
   // How far an axis reaches if the other two have used up so much of a squared radius.
-  const auto left = [](int squared, int used) {
-    return squared < used ? -1 : static_cast<int>(std::sqrt(squared - used));
+  const auto left = [&](int squared, int used) {
+    return squared < used ? -1 : root[static_cast<size_t>(squared - used)];
   };
   // The cells along x at most so far from one, in the block at an offset.
   const auto alongX = [](int cells, int from, int far) {
@@ -97,19 +134,20 @@ VoxelBlocks::Ball::Ball(double radius, double beyond)
             }
         blocks_.push_back(masks);
       }
+  if (reach_ > 1) return;
+  for (size_t cell = 0; cell < 64; cell++) {
+    for (int bz = -reach_; bz <= reach_; bz++)
+      for (int by = -reach_; by <= reach_; by++)
+        for (int bx = -reach_; bx <= reach_; bx++)
+          if (const uint64_t mask = of(bx, by, bz)[cell])
+            parts_.push_back({mask, static_cast<size_t>((bz + 1) * 9 + (by + 1) * 3 + bx + 1)});
+    part_[cell + 1] = parts_.size();
+  }
 }
 
 bool VoxelBlocks::anyAround(const Place& place, const Ball& ball) const {
-  const auto [x, y, z] = place;
-  const auto cell = static_cast<size_t>(cellOf(x, y, z));
-  const int r = ball.radius_;
   bool any = false;
-  forEachBlock({(x - r) >> 2, (y - r) >> 2, (z - r) >> 2},
-               {(x + r) >> 2, (y + r) >> 2, (z + r) >> 2}, [&](const Block& block) {
-                 const auto [bx, by, bz] = block.place;
-                 return any =
-                            block.mask & ball.of(bx - (x >> 2), by - (y >> 2), bz - (z >> 2))[cell];
-               });
+  forEachPart(place, ball, [&](const Block&, uint64_t) { return any = true; });
   return any;
 }
 

@@ -17,7 +17,8 @@ uint64_t octreeOrder(const octomap::OcTreeKey& key);
  * each a mask of 64 bits in the octree's order, and a hash of the groups.
  *
  * What is within a radius is an AND with the masks of a ball, so that only what is there costs
- * time. Memory: 88 bytes per occupied block (a wall fills a quarter of its blocks), 4 per voxel. */
+ * time. A block knows those beside it: around a place in one that is there, nothing is looked up.
+ * Memory: 200 bytes per occupied block (a wall fills a quarter of its blocks), 4 per voxel. */
 class VoxelBlocks {
  public:
   /** Voxel i is known as i; keys must differ, in any order. O(n) in the order of an octree's leaves
@@ -39,9 +40,15 @@ class VoxelBlocks {
    private:
     friend class VoxelBlocks;
     using Masks = std::array<uint64_t, 64>;  // by cell
-    int radius_;                             // in whole voxels
-    int reach_;                              // in blocks
-    std::vector<Masks> blocks_;              // of each block around, x fastest
+    struct Part {                            // what is in one of the blocks beside a cell's own
+      uint64_t mask;
+      size_t beside;
+    };
+    int radius_;                   // in whole voxels
+    int reach_;                    // in blocks
+    std::vector<Masks> blocks_;    // of each block around, x fastest
+    std::vector<Part> parts_;      // of each cell in turn, none empty; none if it reaches farther
+    std::array<size_t, 65> part_;  // the first of each cell, and their number
 
     const Masks& of(int x, int y, int z) const {
       const int side = 2 * reach_ + 1;
@@ -53,6 +60,11 @@ class VoxelBlocks {
    * order that depends on the keys alone. */
   template <class F>
   void forEachAround(const Place& place, const Ball& ball, F&& f) const;
+
+  /** The same by block: calls `f(cells, offset)` for each that has voxels in the ball, the mask of
+   * the cells that hold them and the offset of the block's lowest cell, until f returns true. */
+  template <class F>
+  void forEachBlockAround(const Place& place, const Ball& ball, F&& f) const;
 
   /** True if there is a voxel within the ball around a place. */
   bool anyAround(const Place& place, const Ball& ball) const;
@@ -96,8 +108,9 @@ class VoxelBlocks {
 
     uint32_t at(int cell) const { return first + rank[static_cast<size_t>(cell)]; }
   };
-  struct Block : Cells {  // of voxels_
-    Place place{};        // its key, in blocks
+  struct Block : Cells {                // of voxels_
+    Place place{};                      // its key, in blocks
+    std::array<uint32_t, 27> beside{};  // those around it, x fastest, or kNone
   };
   struct Slot : Cells {  // a group, of blocks_
     uint64_t key = 0;
@@ -111,6 +124,7 @@ class VoxelBlocks {
     return spread(x) | spread(y) << 1 | spread(z) << 2;
   }
   static void add(Cells& cells, int cell, uint32_t content);
+  void linkBlocks();
 
   static uint64_t keyOf(int x, int y, int z) {
     const auto part = [](int b) { return static_cast<uint64_t>(b) & 0xFFFFFU; };
@@ -125,10 +139,20 @@ class VoxelBlocks {
       if (slots_[slot].key == key) return &slots_[slot];
     }
   }
+  /** The block at a place (blocks), or kNone. */
+  uint32_t blockAt(int x, int y, int z) const {
+    const Slot* group = find(x >> 2, y >> 2, z >> 2);
+    const int cell = cellOf(x, y, z);
+    return group && (group->mask >> cell & 1U) ? group->at(cell) : kNone;
+  }
   /** Calls `f(block)` for the blocks from one place to another (blocks), both included, until f
    * returns true. */
   template <class F>
   void forEachBlock(const Place& low, const Place& high, F&& f) const;
+  /** Calls `f(block, found)` for the blocks with voxels in the ball around a place, and the mask of
+   * these, until f returns true. */
+  template <class F>
+  void forEachPart(const Place& place, const Ball& ball, F&& f) const;
   /** The cells of a cube whose coordinate along an axis is in [low, high], cut to the cube. */
   static uint64_t range(unsigned axis, int low, int high) {
     return kLess[axis][std::clamp(high, -1, 3) + 1] & ~kLess[axis][std::clamp(low, 0, 4)];
@@ -149,17 +173,55 @@ class VoxelBlocks {
 
 template <class F>
 void VoxelBlocks::forEachBlock(const Place& low, const Place& high, F&& f) const {
-  for (int gz = low[2] >> 2; gz <= high[2] >> 2; gz++)
-    for (int gy = low[1] >> 2; gy <= high[1] >> 2; gy++)
+  for (int gz = low[2] >> 2; gz <= high[2] >> 2; gz++) {
+    const uint64_t in_z = range(2, low[2] - 4 * gz, high[2] - 4 * gz);
+    for (int gy = low[1] >> 2; gy <= high[1] >> 2; gy++) {
+      const uint64_t in_zy = in_z & range(1, low[1] - 4 * gy, high[1] - 4 * gy);
       for (int gx = low[0] >> 2; gx <= high[0] >> 2; gx++) {
         const Slot* group = find(gx, gy, gz);
-        if (!group) continue;
-        uint64_t found = group->mask & range(0, low[0] - 4 * gx, high[0] - 4 * gx) &
-                         range(1, low[1] - 4 * gy, high[1] - 4 * gy) &
-                         range(2, low[2] - 4 * gz, high[2] - 4 * gz);
+        if (!group || !(group->mask & in_zy)) continue;
+        uint64_t found = group->mask & in_zy & range(0, low[0] - 4 * gx, high[0] - 4 * gx);
         for (; found; found &= found - 1)
           if (f(blocks_[group->at(__builtin_ctzll(found))])) return;
       }
+    }
+  }
+}
+
+template <class F>
+void VoxelBlocks::forEachPart(const Place& place, const Ball& ball, F&& f) const {
+  const auto [x, y, z] = place;
+  const auto cell = static_cast<size_t>(cellOf(x, y, z));
+  if (!ball.parts_.empty()) {
+    const uint32_t own = blockAt(x >> 2, y >> 2, z >> 2);
+    if (own != kNone) {
+      const auto& beside = blocks_[own].beside;
+      for (size_t i = ball.part_[cell]; i < ball.part_[cell + 1]; i++) {
+        const uint32_t b = beside[ball.parts_[i].beside];
+        if (b == kNone) continue;
+        const uint64_t found = blocks_[b].mask & ball.parts_[i].mask;
+        if (found && f(blocks_[b], found)) return;
+      }
+      return;
+    }
+  }
+  const int r = ball.radius_;
+  forEachBlock({(x - r) >> 2, (y - r) >> 2, (z - r) >> 2},
+               {(x + r) >> 2, (y + r) >> 2, (z + r) >> 2}, [&](const Block& block) {
+                 const auto [bx, by, bz] = block.place;
+                 const uint64_t found =
+                     block.mask & ball.of(bx - (x >> 2), by - (y >> 2), bz - (z >> 2))[cell];
+                 return found && f(block, found);
+               });
+}
+
+template <class F>
+void VoxelBlocks::forEachBlockAround(const Place& place, const Ball& ball, F&& f) const {
+  const auto [x, y, z] = place;
+  forEachPart(place, ball, [&](const Block& block, uint64_t found) {
+    const auto [bx, by, bz] = block.place;
+    return f(found, Offset{4 * bx - x, 4 * by - y, 4 * bz - z});
+  });
 }
 
 template <class F>
@@ -184,20 +246,15 @@ void VoxelBlocks::Window::forEachAround(const Offset& offset, const Ball& ball, 
 template <class F>
 void VoxelBlocks::forEachAround(const Place& place, const Ball& ball, F&& f) const {
   const auto [x, y, z] = place;
-  const auto cell = static_cast<size_t>(cellOf(x, y, z));
-  const int r = ball.radius_;
-  forEachBlock(
-      {(x - r) >> 2, (y - r) >> 2, (z - r) >> 2}, {(x + r) >> 2, (y + r) >> 2, (z + r) >> 2},
-      [&](const Block& block) {
-        const auto [bx, by, bz] = block.place;
-        uint64_t found = block.mask & ball.of(bx - (x >> 2), by - (y >> 2), bz - (z >> 2))[cell];
-        for (; found; found &= found - 1) {
-          const int other = __builtin_ctzll(found);
-          f(voxels_[block.at(other)],
-            Offset{4 * bx + xOf(other) - x, 4 * by + yOf(other) - y, 4 * bz + zOf(other) - z});
-        }
-        return false;
-      });
+  forEachPart(place, ball, [&](const Block& block, uint64_t found) {
+    const auto [bx, by, bz] = block.place;
+    for (; found; found &= found - 1) {
+      const int other = __builtin_ctzll(found);
+      f(voxels_[block.at(other)],
+        Offset{4 * bx + xOf(other) - x, 4 * by + yOf(other) - y, 4 * bz + zOf(other) - z});
+    }
+    return false;
+  });
 }
 
 }  // namespace mrpt::fusion
