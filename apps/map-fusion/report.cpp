@@ -62,7 +62,8 @@ void printMatch(const CProbabilisticMapMatching::TReturnInfo& info, std::ostream
     line(out, "iterations       %zu on edges, %zu on voxels", edge_iterations,
          info.match.iterations.size() - edge_iterations);
   }
-  line(out, "overlap          %.1f %%  (%zu pairs)", 100 * e.overlap, e.pairs);
+  line(out, "overlap          %.1f %%  (%zu of %zu voxels of b paired)", 100 * e.overlap, e.pairs,
+       e.asked);
   line(out, "inlier ratio     %.1f %%  (threshold %.1f %%)", 100 * e.inlier_ratio,
        100 * e.threshold);
   line(out, "in free space    %.1f %%  of the obstacles seen by both",
@@ -114,6 +115,7 @@ Json matchJson(const CProbabilisticMapMatching::TReturnInfo& info) {
         {{"agreement", h.agreement}, {"pose", poseJson(mrpt::fusion::toPose(h.T_a_b))}});
   return {{"accepted", e.accepted},
           {"reasons", e.reasons},
+          {"asked", e.asked},
           {"pairs", e.pairs},
           {"inliers", e.inliers},
           {"overlap", e.overlap},

@@ -27,6 +27,7 @@ Options paperOptions() {
   Options o;
   o.match.edges.min_surface_variation = 0;
   o.match.edges.trace_window = M_PI / 2;
+  o.match.evaluation_voxels = 0;
   o.match.voxel_spacing = 0;
   o.match.edge_spacing = 0;
   o.match.search.translation = 0;

@@ -275,6 +275,42 @@ TEST(EvaluateMatch, FreeSpaceSeesWhatTheInliersDoNot) {
   EXPECT_TRUE(c.with(pairVoxels(c.a.voxels, c.b.voxels, c.T_a_b, MatchParams())).accepted);
 }
 
+TEST(EvaluateMatch, OfSomeVoxelsIsNearlyThatOfAll) {
+  const auto room = [](int shelf) {
+    return MapWriter()
+        .box({1, 1, 1}, {78, 78, 28}, kFree)
+        .shell({0, 0, 0}, {79, 79, 29}, kOccupied)
+        .box({shelf, 10, 1}, {shelf + 3, 60, 15}, kOccupied)
+        .pruned();
+  };
+  Case c{room(20), room(24)};
+  c.T_a_b = poseOf(0.03, -0.06, 0.02, 0.2);
+  const auto evaluated = [&](unsigned enough) {
+    MatchParams match;
+    match.evaluation_voxels = enough;
+    const Pairs pairs = pairVoxels(c.a.voxels, c.b.voxels, c.T_a_b, match);
+    return evaluateMatch(c.a, c.b, pairs, c.T_a_b, c.params, 0, {}, enough);
+  };
+  const Evaluation all = evaluated(0), some = evaluated(3000);
+  ASSERT_EQ(all.asked, c.b.voxels.size());
+  ASSERT_GT(all.asked, 15000);
+  EXPECT_LE(some.asked, 3000);
+  EXPECT_GT(some.asked, 2000);
+  EXPECT_GT(all.free_space.conflictRatio(), 0.02);
+  EXPECT_NEAR(some.overlap, all.overlap, 0.03);
+  EXPECT_NEAR(some.inlier_ratio, all.inlier_ratio, 0.03);
+  EXPECT_NEAR(some.mean_mahalanobis, all.mean_mahalanobis, 0.01);
+  EXPECT_NEAR(some.free_space.conflictRatio(), all.free_space.conflictRatio(), 0.03);
+}
+
+TEST(StrideFor, AsksNoMoreThanEnoughAndNotMuchLess) {
+  EXPECT_EQ(strideFor(100, 0), 1);
+  EXPECT_EQ(strideFor(0, 10), 1);
+  EXPECT_EQ(strideFor(10, 10), 1);
+  EXPECT_EQ(strideFor(11, 10), 2);
+  EXPECT_EQ(strideFor(30, 10), 3);
+}
+
 // ---------------------------------------------------------------- how firmly a pose is held
 
 TEST(Deviation, IsThatOfAPointInTheWorstDirection) {

@@ -85,6 +85,7 @@ std::vector<Number> numbersOf(Options& o) {
 std::vector<Count> countsOf(Options& o) {
   return {{"outlier_neighbours", &o.match.edges.outlier_neighbours, 9},
           {"solver_steps", &o.match.solver.max_steps, 4},
+          {"evaluation_voxels", &o.match.evaluation_voxels, 12345},
           {"search_hypotheses", &o.match.search.hypotheses, 5},
           {"edge_iterations", &o.match.edge_level.max_iterations, 17},
           {"voxel_iterations", &o.match.voxel_level.max_iterations, 23}};

@@ -100,6 +100,8 @@ std::vector<Entry> entriesOf(CProbabilisticMapMatching::TConfigParams& o) {
       "Most iterations at the voxel level", count);
   add("solver_steps", m.solver.max_steps, 1, kInf, "Levenberg-Marquardt steps for one set of pairs",
       count);
+  add("evaluation_voxels", m.evaluation_voxels, 0, kInf,
+      "Voxels of each map, spread evenly, that the verdict asks; 0: all", count);
   add("min_step_translation", m.min_step_translation, 0, kInf,
       "A level has converged when an iteration moves the pose by less, m");
   add("min_step_rotation_deg", m.min_step_rotation, 0, 180, "and by less, deg", deg);

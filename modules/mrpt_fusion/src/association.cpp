@@ -71,7 +71,11 @@ VoxelAssociation::VoxelAssociation(const OccupiedVoxels& model) : impl_(new Impl
 VoxelAssociation::~VoxelAssociation() = default;
 VoxelAssociation::VoxelAssociation(VoxelAssociation&&) noexcept = default;
 
-void VoxelAssociation::prepare(double gate) { impl_->search.prepare(gate); }
+void VoxelAssociation::prepare(double gate) {
+  // A voxel without a partner a little beyond the gate has none within it a little farther on.
+  constexpr double kBeyond = 0.25;
+  impl_->search.prepare(gate + kBeyond * impl_->model.resolution);
+}
 
 Pairs VoxelAssociation::associate(const OccupiedVoxels& scene, const Eigen::Isometry3d& T_a_b,
                                   const DescriptorWeights& weights, double gate, const Pairs* among,
@@ -81,21 +85,31 @@ Pairs VoxelAssociation::associate(const OccupiedVoxels& scene, const Eigen::Isom
   const auto w_o = static_cast<float>(weights.omega_o);
   const OccupiedVoxels& model = impl_->model;
   prepare(gate);
-  if (last && last->size() != scene.size()) last->assign(scene.size(), VoxelSearch::kNone);
+  if (last && last->size() != scene.size()) last->assign(scene.size(), {});
+  constexpr float kRounding = 1e-5F;
   return associateEach(scene.size(), among, [&](uint32_t i) {
     const Eigen::Vector3f p = T * scene.centre[i];
     const float probability = scene.probability[i];
-    const auto distance = [&](uint32_t m) {
+    const auto byOccupancy = [&](uint32_t m) {
       const float dp = model.probability[m] - probability;
-      return (model.centre[m] - p).squaredNorm() + w_o * dp * dp;
+      return w_o * dp * dp;
     };
     VoxelSearch::Nearest best{VoxelSearch::kNone, gate2};
-    if (last && (*last)[i] != VoxelSearch::kNone) {
-      const float again = distance((*last)[i]);
-      if (again < gate2) best = {(*last)[i], again};
+    bool is_known = false;
+    if (last) {
+      const Partner& known = (*last)[i];
+      const float others = (known.others - (known.place - p).norm()) * (1 - kRounding);
+      const bool has_partner = known.model != VoxelSearch::kNone;
+      const float again =
+          has_partner ? (model.centre[known.model] - p).squaredNorm() + byOccupancy(known.model)
+                      : gate2;
+      if (has_partner && again < gate2) best = {known.model, again};
+      is_known = others > 0 && std::min(again, gate2) < others * others;
     }
-    best = impl_->search.nearest(p, best, distance);
-    if (last) (*last)[i] = best.index;
+    if (!is_known) {
+      best = impl_->search.nearest(p, best, byOccupancy);
+      if (last) (*last)[i] = {best.index, std::sqrt(best.others), p};
+    }
     if (best.index == VoxelSearch::kNone) return Pair{kUnpaired, i, 0};
     return Pair{best.index, i, (model.centre[best.index] - p).squaredNorm()};
   });

@@ -360,11 +360,13 @@ bool isBend(SurfaceTracer& tracer, const std::vector<Eigen::Vector2f>& direction
   };
   const auto first = bend(directions.front());
   if (isEdge(first)) return true;
-  // What is nearly straight across is no edge a little to the side of that direction.
-  constexpr double kNearlyStraight = 40 * M_PI / 180;  // beyond the window
-  const bool skip =
-      params.trace_window < M_PI / 2 && first && *first > params.alpha_max + kNearlyStraight;
-  return std::any_of(skip ? directions.end() - 1 : directions.begin() + 1, directions.end(),
+  // What is far from a bend straight across is none a little to the side either, but by chance.
+  constexpr double kNearly = 20 * M_PI / 180;  // beyond the window
+  const bool anywhere = params.trace_window >= M_PI / 2;
+  if (!anywhere &&
+      !(first && *first > params.alpha_min - kNearly && *first < params.alpha_max + kNearly))
+    return false;
+  return std::any_of(directions.begin() + 1, directions.end(),
                      [&](const Eigen::Vector2f& d) { return isEdge(bend(d)); });
 }
 

@@ -66,11 +66,15 @@ Finding findingAt(const MapVoxels& map, const Eigen::Vector3d& p) {
   return map.map->search(key) ? Finding::Conflicts : Finding::Unknown;
 }
 
+size_t strideFor(size_t voxels, size_t enough) {
+  return enough == 0 ? 1 : std::max<size_t>(1, (voxels + enough - 1) / enough);
+}
+
 FreeSpaceCheck checkFreeSpace(const MapVoxels& model, const OccupiedVoxels& scene,
-                              const Eigen::Isometry3d& T_model_scene) {
-  std::vector<Finding> findings(scene.size());
-  forEachIndex(scene.size(), kGrain, [&](size_t i) {
-    findings[i] = findingAt(model, T_model_scene * scene.centre[i].cast<double>());
+                              const Eigen::Isometry3d& T_model_scene, size_t stride) {
+  std::vector<Finding> findings((scene.size() + stride - 1) / stride);
+  forEachIndex(findings.size(), kGrain, [&](size_t i) {
+    findings[i] = findingAt(model, T_model_scene * scene.centre[stride * i].cast<double>());
   });
   const auto count = [&](Finding f) {
     return static_cast<size_t>(std::count(findings.begin(), findings.end(), f));
@@ -80,10 +84,13 @@ FreeSpaceCheck checkFreeSpace(const MapVoxels& model, const OccupiedVoxels& scen
 
 Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pairs,
                          const Eigen::Isometry3d& T_a_b, const EvaluationParams& params,
-                         double runner_up, const PoseDeviation& deviation) {
+                         double runner_up, const PoseDeviation& deviation, size_t enough) {
   Evaluation e;
+  const size_t stride_a = strideFor(a.voxels.size(), enough),
+               stride_b = strideFor(b.voxels.size(), enough);
+  e.asked = (b.voxels.size() + stride_b - 1) / stride_b;
   e.pairs = pairs.size();
-  e.overlap = overlapOf(pairs.size(), a.voxels.size(), b.voxels.size());
+  e.overlap = overlapOf(stride_b * pairs.size(), a.voxels.size(), stride_b * e.asked);
   e.threshold = acceptanceThreshold(e.overlap);
   double sum = 0;
   for (const Pair& p : pairs) {
@@ -97,8 +104,10 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
     e.mean_mahalanobis = sum / static_cast<double>(pairs.size());
     e.inlier_ratio = static_cast<double>(e.inliers) / static_cast<double>(pairs.size());
   }
-  const FreeSpaceCheck b_in_a = checkFreeSpace(a, b.voxels, T_a_b);
-  const FreeSpaceCheck a_in_b = checkFreeSpace(b, a.voxels, T_a_b.inverse());
+  // Both by the same stride, so that neither map counts for more.
+  const size_t stride = std::max(stride_a, stride_b);
+  const FreeSpaceCheck b_in_a = checkFreeSpace(a, b.voxels, T_a_b, stride);
+  const FreeSpaceCheck a_in_b = checkFreeSpace(b, a.voxels, T_a_b.inverse(), stride);
   e.free_space = {b_in_a.agreeing + a_in_b.agreeing, b_in_a.conflicting + a_in_b.conflicting};
 
   e.accepted = true;

@@ -16,6 +16,7 @@ namespace {
 struct LevelProblem {
   Level level;
   size_t scene_size;
+  Eigen::Vector3d middle;  ///< of the scene, m, its frame
   /** Of all scene voxels, or of those among some pairs. */
   std::function<Pairs(const Eigen::Isometry3d&, const DescriptorWeights&, double gate,
                       const Pairs*)>
@@ -78,16 +79,18 @@ struct LevelProblem {
   }
 };
 
-/** The pairs at a pose. The weights need an MSE before there is one: that of the nearest neighbours
- * by distance alone, of so many voxels as tell it. */
-Pairs firstPairs(const LevelProblem& problem, const Eigen::Isometry3d& T, double gate) {
+/** The pairs at a pose, of all scene voxels or of those \a among some. The weights need an MSE
+ * before there is one: that of the nearest neighbours by distance alone, of so many voxels as tell
+ * it. */
+Pairs firstPairs(const LevelProblem& problem, const Eigen::Isometry3d& T, double gate,
+                 const Pairs* among = nullptr) {
   constexpr size_t kEnough = 4000;
   const size_t stride = (problem.scene_size + kEnough - 1) / kEnough;
   Pairs some;
   for (size_t i = 0; i < problem.scene_size; i += stride)
     some.push_back({0, static_cast<uint32_t>(i), 0});
   const Pairs nearest = problem.associate(T, DescriptorWeights{}, gate, &some);
-  return problem.associate(T, problem.weights(meanSquaredError(nearest)), gate, nullptr);
+  return problem.associate(T, problem.weights(meanSquaredError(nearest)), gate, among);
 }
 
 /** Alternates association and optimisation until the pose stays, from result.T_a_b on.
@@ -106,8 +109,8 @@ Pairs runLevel(const LevelProblem& problem, const LevelParams& level, double lea
         result.T_a_b, params.solver,
         [&](const Eigen::Isometry3d& candidate) { return problem.linearize(pairs, candidate); });
     const Eigen::Isometry3d step = T * result.T_a_b.inverse();
-    // The step at the scene's own place: a rotation about a far origin is not a translation.
-    const Eigen::Vector3d place = result.T_a_b.translation();
+    // The step of the scene itself: a rotation about a far origin is not a translation.
+    const Eigen::Vector3d place = result.T_a_b * problem.middle;
     const IterationRecord record{problem.level,
                                  pairs.size(),
                                  mse,
@@ -137,6 +140,7 @@ void matchEdges(const MapFeatures& a, const MapFeatures& b, const MatchParams& p
   LevelProblem problem;
   problem.level = Level::Edge;
   problem.scene_size = b.edges.size();
+  problem.middle = meanOf(b.edges.centre);
   problem.associate = [&](const auto& T, const auto& w, double gate, const Pairs* among) {
     return association.associate(b.edges, T, w, gate, among);
   };
@@ -156,6 +160,7 @@ LevelProblem voxelPairing(const OccupiedVoxels& b, double H_m, VoxelAssociation&
   LevelProblem problem;
   problem.level = Level::Voxel;
   problem.scene_size = b.size();
+  problem.middle = meanOf(b.centre);
   problem.associate = [&, last = VoxelAssociation::Partners()](
                           const auto& T, const auto& w, double gate, const Pairs* among) mutable {
     return association.associate(b, T, w, gate, among, &last);
@@ -517,8 +522,8 @@ Evaluation judgeMatch(const MapFeatures& a, const MapFeatures& b, const MatchPar
   const PoseDeviation deviation =
       deviationAt(result.covariance, result.T_a_b * meanOf(b.matched.voxels.centre));
   const auto judge = [&] {
-    return evaluateMatch(a, b, result.pairs, result.T_a_b, evaluation, result.runnerUp(),
-                         deviation);
+    return evaluateMatch(a, b, result.pairs, result.T_a_b, evaluation, result.runnerUp(), deviation,
+                         params.evaluation_voxels);
   };
   const Evaluation e = judge();
   const bool has_bounds = params.search.translation > 0 && !params.search.isEverywhere();
@@ -599,7 +604,11 @@ Pairs pairVoxels(const OccupiedVoxels& a, const OccupiedVoxels& b, const Eigen::
   if (a.size() == 0 || b.size() == 0) return {};
   VoxelAssociation association(a);
   const double H_m = occupancyUncertainty(a.probability, b.probability);
-  return firstPairs(voxelPairing(b, H_m, association, params), T_a_b, params.voxel_level.gate);
+  Pairs asked;
+  const size_t stride = strideFor(b.size(), params.evaluation_voxels);
+  for (size_t i = 0; i < b.size(); i += stride) asked.push_back({0, static_cast<uint32_t>(i), 0});
+  return firstPairs(voxelPairing(b, H_m, association, params), T_a_b, params.voxel_level.gate,
+                    &asked);
 }
 
 }  // namespace mrpt::fusion

@@ -26,20 +26,22 @@ NormalEquations sumOf(const std::vector<Eigen::Vector3f>& scene, const Pairs& pa
   if (pairs.empty()) return n;
   for (const Pair& p : pairs) n.centre += scene[p.scene].cast<double>();
   n.centre = T * (n.centre / static_cast<double>(pairs.size()));
+  Eigen::Matrix3d tt = Eigen::Matrix3d::Zero(), rt = tt, rr = tt;  // blocks of H
   for (const Pair& p : pairs) {
     const Eigen::Vector3d q = T * scene[p.scene].cast<double>();
     const auto [e, W] = term(p, q);
-    const Eigen::Matrix3d r_cross = skew(q - n.centre);
-    const Eigen::Matrix3d Wr = W * r_cross;
-    const Eigen::Vector3d We = W * e;
-    n.H.topLeftCorner<3, 3>() += W;
-    n.H.topRightCorner<3, 3>() -= Wr;
-    n.H.bottomRightCorner<3, 3>() += r_cross.transpose() * Wr;
+    const Eigen::Vector3d r = q - n.centre, We = W * e;
+    Eigen::Matrix3d rW, rWr;  // [r]x W, and ([r]x W) [r]x' by its rows
+    for (int i = 0; i < 3; i++) rW.col(i) = r.cross(W.col(i));
+    for (int i = 0; i < 3; i++) rWr.col(i) = r.cross(rW.row(i).transpose());
+    tt += W;
+    rt += rW;
+    rr += rWr;
     n.g.head<3>() += We;
-    n.g.tail<3>() += r_cross * We;  // (-[r]x)' = [r]x
+    n.g.tail<3>() += r.cross(We);  // (-[r]x)' = [r]x
     n.error += e.dot(We);
   }
-  n.H.bottomLeftCorner<3, 3>() = n.H.topRightCorner<3, 3>().transpose();
+  n.H << tt, rt.transpose(), rt, rr;
   return n;
 }
 

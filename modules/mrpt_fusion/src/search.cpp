@@ -58,7 +58,7 @@ class ScoreGrid {
       low_[axis] = low[axis] - 1;
       size_[axis] = high[axis] + 2 - low_[axis];
     }
-    values_.assign(cells(), kUnknown);
+    values_.assign(cells() + kLanes, kUnknown);  // a run's padding may lie beyond the last row
     if (map.getRoot()) markKnown(map, *map.getRoot(), {});
     for (const auto& key : a.key) mark(layout.cellOf(key), 1, kOccupied);
     clearBesideOccupied();
@@ -73,7 +73,8 @@ class ScoreGrid {
       c.low_[axis] = low_[axis] >> 1;
       c.size_[axis] = ((low_[axis] + size_[axis] - 1) >> 1) + 1 - c.low_[axis];
     }
-    c.values_.assign(c.cells(), kFree);  // the outermost cells are unknown, and make theirs so
+    c.values_.assign(c.cells() + kLanes,
+                     kFree);  // the outermost cells are unknown, and make theirs so
     for (int z = 0; z < size_[2]; z++)
       for (int y = 0; y < size_[1]; y++)
         for (int x = 0; x < size_[0]; x++) {
@@ -87,12 +88,24 @@ class ScoreGrid {
 
   Cell cellOf(const Eigen::Vector3d& p) const { return layout_.cellOf(p); }
 
-  /** Adds the values of \a length cells along x, from one on. */
-  void addRun(int x, int y, int z, int length, uint16_t* sums) const {
+  /** Sums of a row are padded to whole instructions. */
+  static constexpr int kLanes = 8;
+  static int padded(int length) { return (length + kLanes - 1) / kLanes * kLanes; }
+
+  /** Adds the values of \a length cells along x, from one on; what else is added to the row's
+   * padding means nothing. */
+  void addRun(int x, int y, int z, int length, uint16_t* __restrict sums) const {
     x -= low_[0];
     y -= low_[1];
     z -= low_[2];
     if (y < 0 || y >= size_[1] || z < 0 || z >= size_[2]) return;
+    if (x >= 0 && x + length <= size_[0]) {
+      const uint16_t* __restrict values = &values_[index(x, y, z)];
+      for (int k = 0; k < length; k += kLanes)
+        for (int lane = 0; lane < kLanes; lane++)
+          sums[k + lane] = static_cast<uint16_t>(sums[k + lane] + values[k + lane]);
+      return;
+    }
     const int first = std::max(0, -x), end = std::min(length, size_[0] - x);
     if (first >= end) return;
     const uint16_t* values = &values_[index(x + first, y, z)];
@@ -236,8 +249,10 @@ std::vector<Place> scoreWindow(const ScoreGrid& grid, const Lattice& lattice, in
   struct Counts {
     uint32_t occupied = 0, free = 0;
   };
-  std::vector<Counts> counts(window.cells());
-  std::vector<uint16_t> some(counts.size());  // eight places to an instruction
+  const int row_length = ScoreGrid::padded(size[0]);
+  const size_t rows = static_cast<size_t>(size[1]) * static_cast<size_t>(size[2]);
+  std::vector<Counts> counts(rows * static_cast<size_t>(row_length));
+  std::vector<uint16_t> some(counts.size());
   const Eigen::Isometry3d T = lattice.turned(yaw);
   for (size_t first = 0; first < points.size(); first += ScoreGrid::kMostSummed) {
     std::fill(some.begin(), some.end(), 0);
@@ -245,7 +260,7 @@ std::vector<Place> scoreWindow(const ScoreGrid& grid, const Lattice& lattice, in
       const Cell c = grid.cellOf(T * points[i].cast<double>());
       uint16_t* row = some.data();
       for (int z = 0; z < size[2]; z++)
-        for (int y = 0; y < size[1]; y++, row += size[0])
+        for (int y = 0; y < size[1]; y++, row += row_length)
           grid.addRun(c[0] + low[0], c[1] + low[1] + y, c[2] + low[2] + z, size[0], row);
     }
     for (size_t k = 0; k < counts.size(); k++) {
@@ -255,13 +270,13 @@ std::vector<Place> scoreWindow(const ScoreGrid& grid, const Lattice& lattice, in
   }
 
   std::vector<Place> places;
-  places.reserve(counts.size());
-  size_t i = 0;
+  places.reserve(window.cells());
+  const Counts* row = counts.data();
   for (int z = 0; z < size[2]; z++)
-    for (int y = 0; y < size[1]; y++)
-      for (int x = 0; x < size[0]; x++, i++)
+    for (int y = 0; y < size[1]; y++, row += row_length)
+      for (int x = 0; x < size[0]; x++)
         places.push_back(
-            {scoreOf(counts[i].occupied, counts[i].free), yaw, low[0] + x, low[1] + y, low[2] + z});
+            {scoreOf(row[x].occupied, row[x].free), yaw, low[0] + x, low[1] + y, low[2] + z});
   return places;
 }
 

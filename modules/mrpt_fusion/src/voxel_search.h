@@ -4,7 +4,9 @@
 #include <mrpt/fusion/voxel_blocks.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace mrpt::fusion {
@@ -26,34 +28,48 @@ class VoxelSearch {
 
   struct Nearest {
     uint32_t index = kNone;
-    float distance;  ///< as \a distance gives it
+    float distance;  ///< squared, with what \a extra adds, m^2
+    /** All other points are at least as far by distance alone, squared, m^2. */
+    float others = std::numeric_limits<float>::infinity();
   };
   /** The point of the least distance below best.distance; of two as near the one of lower index.
    * \param[in] best With what to begin: how far to look (squared, m^2; at most the gate prepared
    * for), and a point of that distance, if one is known.
-   * \param[in] distance (index) -> squared distance of a point, m^2, not less than the Euclidean.
-   */
-  template <class Distance>
-  Nearest nearest(const Eigen::Vector3f& p, Nearest best, Distance&& distance) const {
+   * \param[in] extra (index) -> what to add to a point's squared distance, m^2, not negative. */
+  template <class Extra>
+  Nearest nearest(const Eigen::Vector3f& p, Nearest best, Extra&& extra) const {
     const Eigen::Vector3f place = (p - low_) / cell_;
-    if (!(place.cwiseAbs().maxCoeff() < kFarthestPlace)) return best;
+    if (!(place.cwiseAbs().maxCoeff() < kFarthestPlace)) {
+      best.others = 0;  // none of them has been looked at
+      return best;
+    }
+    float squared_of_best = best.others;
     const VoxelBlocks::Place at{floorOf(place.x()), floorOf(place.y()), floorOf(place.z())};
     const auto look = [&](const Ring& ring) {
       blocks_.forEachAround(at, ring.ball, [&](uint32_t c, const VoxelBlocks::Offset&) {
         for (uint32_t k = first_[c]; k < first_[c + 1]; k++) {
           const uint32_t i = point_[k];
-          const float d = distance(i);
-          if (d > best.distance || (d == best.distance && i >= best.index)) continue;
-          if (d == best.distance && best.index == kNone) continue;  // the gate itself is outside
-          best = {i, d};
+          const float squared = (points_[i] - p).squaredNorm(), d = squared + extra(i);
+          if (i == best.index) {
+            squared_of_best = squared;
+          } else if (d < best.distance ||  // the gate itself is outside
+                     (d == best.distance && i < best.index && best.index != kNone)) {
+            best = {i, d, std::min(best.others, squared_of_best)};
+            squared_of_best = squared;
+          } else {
+            best.others = std::min(best.others, squared);
+          }
         }
       });
     };
     look(rings_.front());
-    if (best.distance < rings_.front().sure) return best;
-    size_t wide = 1;  // the narrowest that holds all that could be nearer still
-    while (wide + 1 < rings_.size() && rings_[wide].sure <= best.distance) wide++;
-    if (wide < rings_.size()) look(rings_[wide]);
+    const Ring* last = &rings_.front();
+    if (best.distance >= last->sure) {
+      size_t wide = 1;  // the narrowest that holds all that could be nearer still
+      while (wide + 1 < rings_.size() && rings_[wide].sure <= best.distance) wide++;
+      if (wide < rings_.size()) look(*(last = &rings_[wide]));
+    }
+    best.others = std::min(best.others, last->sure);
     return best;
   }
 

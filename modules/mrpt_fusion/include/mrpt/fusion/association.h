@@ -69,8 +69,13 @@ class VoxelAssociation {
   /** Makes ready for gates up to this one: after it several threads may associate at once. */
   void prepare(double gate);
 
-  /** Which model voxel each scene voxel was paired with; empty at first. */
-  using Partners = std::vector<uint32_t>;
+  /** What was found for a scene voxel. */
+  struct Partner {
+    uint32_t model = ~uint32_t{0};                    ///< the largest number: none
+    float others = -1;                                ///< all other model voxels are as far, m
+    Eigen::Vector3f place = Eigen::Vector3f::Zero();  ///< from there, m, A's frame
+  };
+  using Partners = std::vector<Partner>;  ///< of each scene voxel; empty at first
   /** The nearest model voxel by eq. (14) of each scene voxel, if it is near enough.
    * \param[in] scene Map B's voxels. \param[in] T_a_b Pose of map B in A's frame.
    * \param[in] weights Of the descriptor's parts. \param[in] gate Largest distance, m.

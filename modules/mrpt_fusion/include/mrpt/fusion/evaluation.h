@@ -41,14 +41,15 @@ struct FreeSpaceCheck {
 
 /** What evaluateMatch() found. */
 struct Evaluation {
-  size_t pairs = 0;             ///< N_match
+  size_t asked = 0;             ///< voxels of map B that were to be paired
+  size_t pairs = 0;             ///< of them that were: N_match, if all were asked
   size_t inliers = 0;           ///< pairs below EvaluationParams::inlier_mahalanobis
   double overlap = 0;           ///< Theta, eq. (25), [0,1]
   double inlier_ratio = 0;      ///< inliers / pairs
   double threshold = 1;         ///< least inlier ratio that is accepted, from Theta
   double mean_mahalanobis = 0;  ///< of the pairs
   double log_likelihood = 0;    ///< log of eq. (23)
-  FreeSpaceCheck free_space;    ///< both directions together
+  FreeSpaceCheck free_space;    ///< both directions together, of the voxels asked
   double runner_up = 0;         ///< agreement of the best other pose over that of this one
   bool is_ambiguous = false;    ///< that one is nearly as good, or better
   PoseDeviation deviation;      ///< how firmly the pairs hold map B in place
@@ -105,19 +106,29 @@ enum class Finding : uint8_t {
  * contradiction. */
 Finding findingAt(const MapVoxels& map, const Eigen::Vector3d& p);
 
-/** Looks each occupied voxel of the scene up in the model, one way. O(voxels of the scene). */
+/** Of how many voxels of a map the verdict asks by default: shares of so many are known to less
+ * than half a percent (one standard deviation). */
+constexpr unsigned kVoxelsOfVerdict = 15000;
+/** To ask about \a enough of a map's voxels, spread evenly over it (not in the paper, which takes
+ * all: 0), take every so many-th. */
+size_t strideFor(size_t voxels, size_t enough);
+
+/** Looks occupied voxels of the scene up in the model, one way: every \a stride -th.
+ * O(voxels of the scene / stride). */
 FreeSpaceCheck checkFreeSpace(const MapVoxels& model, const OccupiedVoxels& scene,
-                              const Eigen::Isometry3d& T_model_scene);
+                              const Eigen::Isometry3d& T_model_scene, size_t stride = 1);
 
 /** Eqs. (23)-(25) on the pairs of a match, joined by what they ignore: a wrong pose can lay floor
  * on floor, but it puts walls where the other robot has seen free space. \param[in] a,b The maps A
  * and B. \param[in] pairs Of voxels at T_a_b, gated as in matching. \param[in] T_a_b Pose of map B
  * in A's frame. \param[in] params What is accepted. \param[in] runner_up See
  * MatchResult::runnerUp(). \param[in] deviation Of the pose: a corridor without features matches
- * well, but slides.
+ * well, but slides. \param[in] enough Of each map so many voxels are asked, and of B's those were
+ * paired, see strideFor().
  */
 Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pairs,
                          const Eigen::Isometry3d& T_a_b, const EvaluationParams& params,
-                         double runner_up = 0, const PoseDeviation& deviation = {});
+                         double runner_up = 0, const PoseDeviation& deviation = {},
+                         size_t enough = kVoxelsOfVerdict);
 
 }  // namespace mrpt::fusion

@@ -75,6 +75,9 @@ struct MatchParams {
   double flatness = 0.01;  ///< of a surface voxel: variance across over variance along it
   /** Few steps: the pairs change before they have converged. */
   SolverParams solver{2, 1e-5, 1e-5};
+  /** Of each map, spread evenly: those that are paired at the end, and the verdict asks (not in the
+   * paper, which takes all: 0). */
+  unsigned evaluation_voxels = kVoxelsOfVerdict;
   /** A level has converged when an iteration moves the pose by less than both. */
   double min_step_translation = 1e-3;  ///< m
   double min_step_rotation = 1e-4;     ///< rad
@@ -91,7 +94,7 @@ struct IterationRecord {
   Level level;              ///< of the iteration
   size_t pairs;             ///< associated
   double mse;               ///< of the association's pairs, m^2
-  double step_translation;  ///< m
+  double step_translation;  ///< of the middle of the level's scene, m
   double step_rotation;     ///< rad
   Eigen::Isometry3d T_a_b;  ///< the pose it reached
 };
@@ -199,7 +202,7 @@ double agreement(const MapVoxels& a, const Obstacles& of_a, const MapVoxels& b,
                  const Obstacles& of_b, const Eigen::Isometry3d& T_a_b);
 
 /** The voxel pairs at a given pose, weighted and gated as the voxel level begins: what
- * evaluateMatch() judges. */
+ * evaluateMatch() judges. Of params.evaluation_voxels of b's voxels, see strideFor(). */
 Pairs pairVoxels(const OccupiedVoxels& a, const OccupiedVoxels& b, const Eigen::Isometry3d& T_a_b,
                  const MatchParams& params);
 
