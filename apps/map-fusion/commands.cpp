@@ -2,14 +2,12 @@
 #include "commands.h"
 
 #include <mrpt/config/CConfigFile.h>
-#include <mrpt/maps/CEdgeVoxelMap.h>
+#include <mrpt/core/format.h>
+#include <mrpt/fusion/edge_octree.h>
+#include <mrpt/fusion/many_maps.h>
 #include <mrpt/maps/error_text.h>
-#include <mrpt/maps/map_files.h>
 #include <mrpt/maps/octree_io.h>
 #include <mrpt/maps/octree_resampling.h>
-#include <mrpt/slam/CProbabilisticMapMatching.h>
-#include <mrpt/slam/fusion_scene.h>
-#include <mrpt/slam/map_fusion.h>
 #include <mrpt/system/CTicTac.h>
 
 #include <algorithm>
@@ -21,36 +19,42 @@
 #include <optional>
 #include <stdexcept>
 
+#include "mrpt_maps.h"
 #include "output.h"
 #include "pose.h"
 #include "report.h"
-#include "top_view.h"
 
-using mrpt::maps::CEdgeVoxelMap;
-using mrpt::maps::CMetricMap;
-using mrpt::maps::CProbOctoMap;
-using mrpt::obs::CObservationLocalMap;
+using mrpt::fusion::EdgeVoxels;
 using mrpt::poses::CPose3D;
-using mrpt::slam::CProbabilisticMapMatching;
 
 namespace {
 
 constexpr const char* kMatchingSection = "ProbabilisticMapMatching";
 
-/** A map to work on: a CProbOctoMap or a CEdgeVoxelMap. */
-struct LoadedMap {
-  CMetricMap::ConstPtr map;
-  std::shared_ptr<const octomap::OcTree> octree;  ///< of it, or of its edges
-};
+bool isOcTree(const std::string& path) {
+  return mrpt::maps::isOcTreeFile(mrpt::maps::beginningOf(path));
+}
 
-LoadedMap workable(const CMetricMap::ConstPtr& map) {
-  if (const auto* edges = dynamic_cast<const CEdgeVoxelMap*>(map.get()))
-    return {map, std::make_shared<const octomap::OcTree>(edges->asOcTree())};
-  const auto octomap = mrpt::maps::asProbOctoMap(map);
-  if (!octomap)
-    throw std::runtime_error(std::string("a ") + map->GetRuntimeClass()->className +
-                             " is not, and holds no, 3-D occupancy map");
-  return {octomap, {octomap, &octomap->octree()}};
+/** What map a file of any kind holds. \exception std::runtime_error "<path>: <reason>". */
+LoadedMap loadAnyMap(const std::string& path, const MapDefinition& definition) {
+  if (!isOcTree(path)) return mrptMaps().load(path, definition);
+  return mrpt::maps::withPath(path, [&]() -> LoadedMap {
+    return {mrpt::maps::parseOcTreeFile(mrpt::maps::readFileBytes(path)), nullptr, nullptr};
+  });
+}
+
+/** The maps of a recorded mission; none if it is something else. */
+std::vector<Robot> loadMission(const std::string& path) {
+  return isOcTree(path) ? std::vector<Robot>() : mrptMaps().loadMission(path);
+}
+
+/** As `.ot` or `.bt` by extension, else as MRPT serializes it. */
+void saveMap(const octomap::OcTree& map, const std::string& path) {
+  const std::string extension = std::filesystem::path(path).extension();
+  if (extension == ".ot" || extension == ".bt")
+    mrpt::maps::saveOcTree(map, path);
+  else
+    mrptMaps().save(map, path);
 }
 
 /** What robots are called whose maps are in files of their own: as the files are, and where several
@@ -91,9 +95,8 @@ class Run {
     for (const auto& path : {args.output, args.pose_out, args.picture, args.scene, args.json})
       if (!path.empty()) checkWritable(path, inputs);
     if (!args.config.empty()) mrpt::maps::withPath(args.config, [this] { loadConfig(); });
-    if (args.full_6dof) pmm_.options.match.search.rotations = mrpt::fusion::SearchRotations::All;
-    pmm_.setMinLoggingLevel(args.verbose ? mrpt::system::LVL_DEBUG : mrpt::system::LVL_ERROR);
-    pmm_.onIteration = [this](const mrpt::fusion::IterationRecord& i) {
+    if (args.full_6dof) options_.match.search.rotations = mrpt::fusion::SearchRotations::All;
+    on_iteration_ = [this](const mrpt::fusion::IterationRecord& i) {
       const char* level = i.level == mrpt::fusion::Level::Edge ? "edges" : "voxels";
       const std::string text =
           mrpt::format("matching %s: %zu pairs, rms distance %.3f m, step %.4f m", level, i.pairs,
@@ -112,7 +115,7 @@ class Run {
     const bool accepted = matchMaps();
     if (accepted || args_.force) {
       mergeMaps();
-      saveFused(*fused_);
+      saveFused();
     } else {
       std::cerr << "map-fusion: the match was rejected, nothing was merged (--force to merge)\n";
     }
@@ -129,7 +132,7 @@ class Run {
 
   int evaluate() {
     loadBoth();
-    report_.match = pmm_.evaluate(*a_.map, *b_.map, report_.pose->mean);
+    report_.match = mrpt::fusion::evaluate(a_.view(), b_.view(), report_.pose->mean, options_);
     step("evaluate");
     draw();
     return finish(report_.match->evaluation.accepted);
@@ -138,19 +141,19 @@ class Run {
   int merge() {
     loadBoth();
     mergeMaps();
-    saveFused(*fused_);
+    saveFused();
     draw();
     return finish(true);
   }
 
   int edges() {
-    const CEdgeVoxelMap edges(pmm_.edges(*load("map", args_.maps[0]).map));
+    const EdgeVoxels edges = edgesOf(load("map", args_.maps[0]));
     report_.edges = edges.size();
     step("edges");
     if (std::filesystem::path(args_.output).extension() == ".ply")
-      mrpt::maps::writeFileAtomically(args_.output, mrpt::maps::toPly(edges.edges()));
+      mrpt::maps::writeFileAtomically(args_.output, toPly(edges));
     else
-      mrpt::maps::saveMap(edges, args_.output);
+      mrptMaps().save(edges, args_.output);
     step("save");
     return finish(true);
   }
@@ -159,37 +162,36 @@ class Run {
     const CPose3D pose = parsePose(args_.pose);
     const LoadedMap map = load("map", args_.maps[0]);
     const double resolution = args_.resolution > 0 ? args_.resolution : map.octree->getResolution();
-    const CProbOctoMap moved(
-        mrpt::maps::transformOcTree(*map.octree, mrpt::fusion::toEigen(pose), resolution));
+    const auto moved =
+        mrpt::maps::transformOcTree(*map.octree, mrpt::fusion::toEigen(pose), resolution);
     step("transform");
-    mrpt::maps::saveMap(moved, args_.output);
+    saveMap(*moved, args_.output);
     step("save");
-    report_.maps.push_back(reportOn("transformed", args_.output, moved.octree()));
+    report_.maps.push_back(reportOn("transformed", args_.output, *moved));
     return finish(true);
   }
 
   int build() {
-    const auto built = mrpt::maps::buildMap(args_.maps[0], buildParams());
+    const auto built = mrptMaps().build(args_.maps[0], mapDefinition(), args_.output);
     progress_.clear();
     step("build");
-    mrpt::maps::saveMap(*built.map, args_.output);
-    step("save");
     report_.observations = {built.inserted, built.ignored};
-    if (const auto octomap = mrpt::maps::asProbOctoMap(*built.map))
-      report_.maps.push_back(reportOn("map", args_.output, octomap->octree()));
+    if (built.map.octree) report_.maps.push_back(reportOn("map", args_.output, *built.map.octree));
     return finish(true);
   }
 
   int pack() {
-    mrpt::maps::saveLocalMaps(loadLocalMaps(), args_.output);
+    const auto robots = loadRobots();
+    mrptMaps().saveMission(robots, args_.output);
     step("save");
     report_.bytes = std::filesystem::file_size(args_.output);
     return finish(true);
   }
 
   int info() {
-    const auto robots = mrpt::maps::loadLocalMaps(args_.maps[0]);
-    for (const auto& robot : robots) reportOnRobot(*robot, args_.maps[0]);
+    const auto robots = loadMission(args_.maps[0]);
+    for (const auto& robot : robots)
+      report_.maps.push_back(reportOn(robot.name, args_.maps[0], *robot.map.octree));
     if (robots.empty()) load("map", args_.maps[0]);
     step("load");
     return finish(true);
@@ -204,23 +206,22 @@ class Run {
     if (!has_map && !has_matching)
       throw std::runtime_error("has no section [" + std::string(kMatchingSection) + "] nor [" +
                                args_.section + "]");
-    if (has_matching) pmm_.options.loadFromConfigFile(*config_, kMatchingSection);
+    if (has_matching) options_.loadFromConfigFile(*config_, kMatchingSection);
   }
 
-  mrpt::maps::BuildParams buildParams() {
-    mrpt::maps::BuildParams params;
-    if (config_ && config_->sectionExists(args_.section)) params.config = config_.get();
-    params.section = args_.section;
-    params.progress = [this](size_t n) {
+  MapDefinition mapDefinition() {
+    MapDefinition definition;
+    if (config_ && config_->sectionExists(args_.section)) definition.config = config_.get();
+    definition.section = args_.section;
+    definition.progress = [this](size_t n) {
       progress_.show("building: " + std::to_string(n) + " observations");
     };
-    return params;
+    return definition;
   }
 
   LoadedMap load(const std::string& role, const std::string& path) {
     progress_.show("loading " + path);
-    const CMetricMap::Ptr any = mrpt::maps::loadAnyMap(path, buildParams());
-    const LoadedMap map = mrpt::maps::withPath(path, [&] { return workable(any); });
+    LoadedMap map = loadAnyMap(path, mapDefinition());
     progress_.clear();
     report_.maps.push_back(reportOn(role, path, *map.octree));
     if (args_.command != "info" && report_.maps.back().statistics.occupied == 0)
@@ -229,35 +230,34 @@ class Run {
     return map;
   }
 
-  void reportOnRobot(const CObservationLocalMap& robot, const std::string& path) {
-    if (!robot.map)
-      throw std::runtime_error(path + ": the map of " + robot.sensorLabel + " is missing");
-    const LoadedMap map = mrpt::maps::withPath(path, [&] { return workable(robot.map); });
-    report_.maps.push_back(reportOn(robot.sensorLabel, path, *map.octree));
+  /** The structural edges of a map that is not edges alone. */
+  EdgeVoxels edgesOf(const LoadedMap& map) const {
+    return extractEdges(mrpt::fusion::extractOccupiedVoxels(map.view().wholeMap()),
+                        options_.match.edges);
   }
 
   /** The maps of all robots: of recorded missions, and of files with one map each. */
-  std::vector<CObservationLocalMap::Ptr> loadLocalMaps() {
-    std::vector<CObservationLocalMap::Ptr> robots;
+  std::vector<Robot> loadRobots() {
+    std::vector<Robot> robots;
     const std::vector<std::string> names = namesOf(args_.maps);
     for (size_t i = 0; i < names.size(); i++) {
       const std::string& path = args_.maps[i];
       progress_.show("loading " + path);
-      auto of_mission = mrpt::maps::loadLocalMaps(path);
-      for (const auto& robot : of_mission) reportOnRobot(*robot, path);
-      if (of_mission.empty()) {
-        auto robot = CObservationLocalMap::Create();
-        robot->sensorLabel = names[i];
-        robot->map = std::const_pointer_cast<CMetricMap>(load(robot->sensorLabel, path).map);
-        of_mission.push_back(robot);
+      auto of_file = loadMission(path);
+      for (const Robot& robot : of_file)
+        report_.maps.push_back(reportOn(robot.name, path, *robot.map.octree));
+      if (of_file.empty()) {
+        Robot& robot = of_file.emplace_back();
+        robot.name = names[i];
+        robot.map = load(robot.name, path);
       }
-      for (const auto& robot : of_mission) {
-        const bool twice = std::any_of(robots.begin(), robots.end(), [&](const auto& other) {
-          return other->sensorLabel == robot->sensorLabel;
-        });
+      for (Robot& robot : of_file) {
+        const bool twice = std::any_of(robots.begin(), robots.end(),
+                                       [&](const auto& other) { return other.name == robot.name; });
         if (twice)
-          throw std::runtime_error(path + ": there is another map of '" + robot->sensorLabel + "'");
-        if (args_.edges_only) robot->map = std::make_shared<CEdgeVoxelMap>(pmm_.edges(*robot->map));
+          throw std::runtime_error(path + ": there is another map of '" + robot.name + "'");
+        if (args_.edges_only)
+          robot.map = {nullptr, std::make_shared<const EdgeVoxels>(edgesOf(robot.map)), nullptr};
         robots.push_back(robot);
       }
     }
@@ -267,34 +267,39 @@ class Run {
   }
 
   int fuseMany() {
-    const auto robots = loadLocalMaps();
+    const auto robots = loadRobots();
     if (robots.size() < 2)
       throw std::runtime_error(
           args_.maps[0] + ": holds one map; two are needed, or a rawlog of several robots' maps");
     choosePolicy();
-    const auto result = mrpt::slam::fuseMaps(
-        pmm_, robots, args_.force, [&](const std::string& robot, size_t joined) {
+    std::vector<mrpt::fusion::RobotMap> maps;
+    for (const Robot& robot : robots) maps.push_back({robot.name, robot.map.view(), robot.pose});
+    auto result = mrpt::fusion::fuseMaps(
+        maps, options_, args_.force,
+        [&](const std::string& robot, size_t joined) {
           progress_.show("matching " + robot + " with " + std::to_string(joined) + " joined maps");
-        });
+        },
+        on_iteration_);
     progress_.clear();
     step("fuse");
-    report_.members = result.members;
-    const auto joined = std::count_if(result.members.begin(), result.members.end(),
+    fused_ = std::move(result.map);
+    report_.members = std::move(result.members);
+    const auto joined = std::count_if(report_.members.begin(), report_.members.end(),
                                       [](const auto& m) { return m.joined; });
     if (joined > 1)
-      saveFused(result.map);
+      saveFused();
     else
       std::cerr << "map-fusion: every match was rejected, nothing was merged (--force to merge)\n";
-    return finish(std::all_of(result.members.begin(), result.members.end(), [](const auto& m) {
+    return finish(std::all_of(report_.members.begin(), report_.members.end(), [](const auto& m) {
       return m.info.by_edges || !m.hasMatch() || m.info.evaluation.accepted;
     }));
   }
 
   void choosePolicy() {
     for (const auto& [policy, name] : mrpt::fusion::mergePolicyNames())
-      if (args_.policy == name) pmm_.options.merge.policy = policy;
+      if (args_.policy == name) options_.merge.policy = policy;
     for (const auto& [policy, name] : mrpt::fusion::mergePolicyNames())
-      if (pmm_.options.merge.policy == policy) report_.policy = name;
+      if (options_.merge.policy == policy) report_.policy = name;
   }
 
   void loadBoth() {
@@ -317,10 +322,10 @@ class Run {
 
   bool matchMaps() {
     progress_.show("extracting edges");
-    auto& info = report_.match.emplace();
-    const auto pdf = pmm_.Align3DPDF(a_.map.get(), b_.map.get(), prior(), info);
+    report_.match = mrpt::fusion::align(a_.view(), b_.view(), prior(), options_, on_iteration_);
     progress_.clear();
-    report_.pose.emplace().copyFrom(*pdf);
+    const auto& info = *report_.match;
+    report_.pose = info.pose;
     report_.seconds.emplace_back("features", info.seconds_features);
     report_.seconds.emplace_back("match", info.seconds_matching);
     report_.seconds.emplace_back("evaluate", info.seconds_evaluation);
@@ -333,15 +338,16 @@ class Run {
   void mergeMaps() {
     progress_.show("merging");
     choosePolicy();
-    fused_ = pmm_.merge(*a_.map, *b_.map, report_.pose->mean);
+    fused_ = mrpt::fusion::mergeMaps(a_.view().wholeMap(), b_.view().wholeMap(),
+                                     mrpt::fusion::toEigen(report_.pose->mean), options_.merge);
     progress_.clear();
     step("merge");
   }
 
-  void saveFused(const CProbOctoMap& fused) {
-    mrpt::maps::saveMap(fused, args_.output);
+  void saveFused() {
+    saveMap(*fused_, args_.output);
     step("save");
-    report_.maps.push_back(reportOn("fused", args_.output, fused.octree()));
+    report_.maps.push_back(reportOn("fused", args_.output, *fused_));
   }
 
   /** What was found, to look at. */
@@ -351,22 +357,19 @@ class Run {
   }
 
   void drawScene() {
-    const auto edgesOf = [this](const LoadedMap& map) {
-      const auto* edges = dynamic_cast<const CEdgeVoxelMap*>(map.map.get());
-      return edges ? edges->edges() : pmm_.edges(*map.map);
-    };
     progress_.show("drawing");
-    const auto edges_a = edgesOf(a_), edges_b = edgesOf(b_);
+    const EdgeVoxels edges_a = a_.edges ? *a_.edges : edgesOf(a_);
+    const EdgeVoxels edges_b = b_.edges ? *b_.edges : edgesOf(b_);
     const mrpt::fusion::Pairs none;
-    mrpt::slam::FusionView view{*a_.octree,
-                                *b_.octree,
-                                report_.pose->mean,
-                                report_.match ? report_.match->match.pairs : none,
-                                edges_a,
-                                edges_b,
-                                pmm_.options.evaluation.inlier_mahalanobis,
-                                fused_ ? &fused_->octree() : nullptr};
-    mrpt::maps::saveObject(*mrpt::slam::drawFusion(view), args_.scene);
+    const SceneView view{a_,
+                         b_,
+                         report_.pose->mean,
+                         report_.match ? report_.match->match.pairs : none,
+                         edges_a,
+                         edges_b,
+                         options_.evaluation.inlier_mahalanobis,
+                         fused_.get()};
+    mrptMaps().drawScene(view, args_.scene);
     progress_.clear();
     step("scene");
   }
@@ -380,8 +383,8 @@ class Run {
                       : report_.match->evaluation.accepted ? "result: accepted"
                                                            : "result: rejected",
                       mrpt::fusion::toEigen(report_.pose->mean)});
-    drawTopView(mrpt::fusion::extractOccupiedVoxels(*a_.octree),
-                mrpt::fusion::extractOccupiedVoxels(*b_.octree), panels, args_.picture);
+    mrptMaps().drawPicture(mrpt::fusion::extractOccupiedVoxels(*a_.octree),
+                           mrpt::fusion::extractOccupiedVoxels(*b_.octree), panels, args_.picture);
     step("picture");
   }
 
@@ -404,10 +407,11 @@ class Run {
   const Arguments& args_;
   Progress progress_;
   std::unique_ptr<mrpt::config::CConfigFile> config_;
-  CProbabilisticMapMatching pmm_;
+  mrpt::fusion::Options options_;
+  mrpt::fusion::OnIteration on_iteration_;
   mrpt::system::CTicTac clock_;
   LoadedMap a_, b_;
-  std::optional<CProbOctoMap> fused_;
+  std::unique_ptr<octomap::OcTree> fused_;
   Report report_;
 };
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pose.h"
 
+#include <mrpt/fusion/poses.h>
 #include <mrpt/maps/error_text.h>
 #include <mrpt/maps/octree_io.h>
-#include <mrpt/slam/CProbabilisticMapMatching.h>
 
 #include <Eigen/SVD>
 #include <sstream>

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "report.h"
 
+#include <mrpt/fusion/poses.h>
+
 #include <cstdarg>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
-using mrpt::slam::CProbabilisticMapMatching;
 using Json = nlohmann::ordered_json;
 
 namespace {
@@ -42,7 +43,7 @@ const char* verdictOf(const mrpt::fusion::Evaluation& e) {
   return e.accepted ? "accepted" : e.is_ambiguous ? "AMBIGUOUS" : "REJECTED";
 }
 
-void printMember(const mrpt::slam::FusionMember& m, std::ostream& out) {
+void printMember(const mrpt::fusion::FusionMember& m, std::ostream& out) {
   if (!m.hasMatch()) return line(out, "%-16s the first map: its frame is kept", m.robot.c_str());
   const auto& e = m.info.evaluation;
   line(out, "%-16s %s%s, pose %s, overlap %.1f %%", m.robot.c_str(),
@@ -52,7 +53,7 @@ void printMember(const mrpt::slam::FusionMember& m, std::ostream& out) {
     for (const auto& reason : e.reasons) out << "                 - " << reason << "\n";
 }
 
-void printMatch(const CProbabilisticMapMatching::TReturnInfo& info, std::ostream& out) {
+void printMatch(const mrpt::fusion::Alignment& info, std::ostream& out) {
   const auto& e = info.evaluation;
   size_t edge_iterations = 0;
   for (const auto& i : info.match.iterations)
@@ -100,7 +101,7 @@ Json poseJson(const mrpt::poses::CPose3DPDFGaussian& p) {
   return json;
 }
 
-Json matchJson(const CProbabilisticMapMatching::TReturnInfo& info) {
+Json matchJson(const mrpt::fusion::Alignment& info) {
   const auto& e = info.evaluation;
   Json iterations = Json::array();
   for (const auto& i : info.match.iterations)

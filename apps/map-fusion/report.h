@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <mrpt/fusion/many_maps.h>
 #include <mrpt/fusion/voxels.h>
-#include <mrpt/poses/CPose3DPDFGaussian.h>
-#include <mrpt/slam/CProbabilisticMapMatching.h>
-#include <mrpt/slam/map_fusion.h>
 
 #include <iosfwd>
 #include <optional>
@@ -30,8 +28,8 @@ struct Report {
   std::vector<MapReport> maps;
   std::optional<mrpt::poses::CPose3D> initial_pose;
   std::optional<mrpt::poses::CPose3DPDFGaussian> pose;  ///< covariance zero if it was given
-  std::optional<mrpt::slam::CProbabilisticMapMatching::TReturnInfo> match;
-  std::vector<mrpt::slam::FusionMember> members;          ///< of a fusion of many maps
+  std::optional<mrpt::fusion::Alignment> match;
+  std::vector<mrpt::fusion::FusionMember> members;        ///< of a fusion of many maps
   std::optional<size_t> bytes;                            ///< written by `pack`
   std::string policy;                                     ///< of the merge, if there was one
   std::optional<size_t> edges;                            ///< edge voxels found by `edges`

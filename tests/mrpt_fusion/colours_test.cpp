@@ -6,7 +6,7 @@
 
 #include <array>
 
-#include "test_maps.h"
+#include "../mrpt_fusion_core/test_maps.h"
 
 namespace mrpt::fusion::test {
 namespace {

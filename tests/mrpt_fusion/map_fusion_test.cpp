@@ -4,7 +4,7 @@
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/slam/map_fusion.h>
 
-#include "apartment_pair.h"
+#include "../mrpt_fusion_core/apartment_pair.h"
 
 namespace mrpt::fusion::test {
 namespace {

@@ -16,7 +16,7 @@
 #include <tuple>
 #include <vector>
 
-#include "apartment_pair.h"
+#include "../mrpt_fusion_core/apartment_pair.h"
 
 namespace mrpt::fusion::test {
 namespace {

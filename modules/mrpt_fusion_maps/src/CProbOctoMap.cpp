@@ -16,7 +16,6 @@
 #include <mrpt/obs/CObservationVelodyneScan.h>
 #include <mrpt/serialization/CArchive.h>
 #include <mrpt/serialization/CSchemeArchiveBase.h>
-#include <mrpt/system/filesystem.h>
 
 #include <algorithm>
 #include <array>
@@ -549,8 +548,7 @@ void CProbOctoMap::loadFromOcTreeFile(const std::string& path) {
 }
 
 void CProbOctoMap::saveToOcTreeFile(const std::string& path) const {
-  const bool binary = mrpt::system::extractFileExtension(path) == "bt";
-  writeFileAtomically(path, binary ? toBtFile(*m_octree) : toOtFile(*m_octree));
+  saveOcTree(*m_octree, path);
 }
 
 void CProbOctoMap::saveMetricMapRepresentationToFile(const std::string& filNamePrefix) const {

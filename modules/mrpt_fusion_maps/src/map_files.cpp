@@ -278,14 +278,6 @@ std::vector<CObservationLocalMap::Ptr> latestMaps(const std::string& path) {
   return latest;
 }
 
-std::string beginningOf(const std::string& path) {
-  std::ifstream f(path, std::ios::binary);
-  std::string bytes(64, '\0');
-  f.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  bytes.resize(static_cast<size_t>(f.gcount()));
-  return bytes;
-}
-
 /** \a bytes in gzip's format, compressed in memory: MRPT's compress_gz_data_block goes through a
  * named pipe in /tmp, and what it returns has been seen cut short. */
 std::string gzCompressed(std::string_view bytes) {

@@ -5,7 +5,7 @@
 #include <set>
 #include <tuple>
 
-#include "../../mrpt_fusion/test_maps.h"
+#include "../../mrpt_fusion_core/test_maps.h"
 #include "../map_pair.h"
 #include "../truth.h"
 

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "../../mrpt_fusion/test_maps.h"
+#include "../../mrpt_fusion_core/test_maps.h"
 
 namespace mrpt::fusion::benchmark {
 namespace {

@@ -61,8 +61,4 @@ class CEdgeVoxelMap : public CMetricMap {
   mrpt::fusion::EdgeVoxels m_edges;
 };
 
-/** Edge voxels as the text of a PLY point cloud; nx ny nz is the direction of the edge, with its
- * probability and linearity(). */
-std::string toPly(const mrpt::fusion::EdgeVoxels& edges);
-
 }  // namespace mrpt::maps

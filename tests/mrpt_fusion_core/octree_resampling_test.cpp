@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <limits>
 
-#include "test_tools.h"
+#include "tree_tools.h"
 
 using namespace map_tests;
 using Eigen::Isometry3d;

@@ -31,6 +31,13 @@ std::string toOtFile(const octomap::OcTree& tree);
  * lost, pruned. Unlike octomap's writeBinary() it leaves \a tree as it is. */
 std::string toBtFile(const octomap::OcTree& tree);
 
+/** Writes a `.bt` file if the path ends so, else a `.ot`; all of it or nothing.
+ * \exception std::runtime_error As writeFileAtomically(). */
+void saveOcTree(const octomap::OcTree& tree, const std::string& path);
+
+/** The first bytes of a file, to tell its kind by; none if it is missing, a directory, or empty. */
+std::string beginningOf(const std::string& path);
+
 /** The nodes in pre-order, as in the data part of a `.ot` file: log-odds (4 bytes, native float)
  * and a mask of its children (1 byte) for each. Empty for an empty tree. */
 std::string serializeNodes(const octomap::OcTree& tree);

@@ -9,6 +9,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -191,6 +192,19 @@ std::string readFileBytes(const std::string& path) {
   if (f.bad()) throw std::runtime_error(systemError("cannot be read"));
   if (bytes.empty()) throw std::runtime_error("is empty");
   return bytes;
+}
+
+std::string beginningOf(const std::string& path) {
+  std::ifstream f(path, std::ios::binary);
+  std::string bytes(64, '\0');
+  f.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<size_t>(f.gcount()));
+  return bytes;
+}
+
+void saveOcTree(const octomap::OcTree& tree, const std::string& path) {
+  const bool binary = std::filesystem::path(path).extension() == ".bt";
+  writeFileAtomically(path, binary ? toBtFile(tree) : toOtFile(tree));
 }
 
 void writeFileAtomically(const std::string& path, std::string_view bytes) {

@@ -2,10 +2,8 @@
 #include <gtest/gtest.h>
 #include <mrpt/fusion/evaluation.h>
 #include <mrpt/fusion/matching.h>
-#include <mrpt/maps/CProbOctoMap.h>
-#include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/fusion/poses.h>
 #include <mrpt/maps/octree_resampling.h>
-#include <mrpt/slam/CProbabilisticMapMatching.h>  // toEigen()
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -510,18 +508,19 @@ TEST_F(Matching, IsTheSameForAnyNumberOfThreads) {
 
 /** What the simulated robot's map of the apartment is. */
 std::unique_ptr<octomap::OcTree> mapOf(const sim::Recording& recording) {
-  mrpt::maps::CProbOctoMap map(0.1);
-  map.insertionOptions.pruning = false;  // once, at the end
+  auto tree = std::make_unique<octomap::OcTree>(0.1);
   for (const auto& scan : recording.scans) {
     const auto sensor = scan.estimatedPose.mean + recording.sensorPose;
-    mrpt::maps::CSimplePointsMap points;
+    octomap::Pointcloud points;
     for (const auto& p : scan.points) {
       const auto at = sensor.composePoint(mrpt::math::TPoint3D(p));
-      points.insertPoint(at.x, at.y, at.z);
+      points.push_back(static_cast<float>(at.x), static_cast<float>(at.y),
+                       static_cast<float>(at.z));
     }
-    map.insertPointCloud(points, sensor.x(), sensor.y(), sensor.z());
+    const octomap::point3d origin(static_cast<float>(sensor.x()), static_cast<float>(sensor.y()),
+                                  static_cast<float>(sensor.z()));
+    tree->insertPointCloud(points, origin);
   }
-  auto tree = std::make_unique<octomap::OcTree>(map.octree());
   tree->prune();
   return tree;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/maps/octree_compression.h>
 
-#include "test_tools.h"
+#include "tree_tools.h"
 using namespace map_tests;
 using mrpt::maps::compressNodes;
 using mrpt::maps::decompressNodes;

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <mrpt/fusion/optimization.h>
 #include <mrpt/math/wrap2pi.h>
-#include <mrpt/slam/CProbabilisticMapMatching.h>  // toYawPitchRollCovariance()
+#include <mrpt/fusion/poses.h>
 
 #include <Eigen/Eigenvalues>
 #include <functional>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <tbb/global_control.h>
 
-#include "test_tools.h"
+#include "tree_tools.h"
 
 namespace map_tests {
 namespace {

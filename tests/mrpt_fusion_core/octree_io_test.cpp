@@ -8,7 +8,7 @@
 #include <limits>
 #include <sstream>
 
-#include "test_tools.h"
+#include "tree_tools.h"
 
 using namespace map_tests;
 using mrpt::maps::parseNodes;

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/core/exceptions.h>
+#include <mrpt/fusion/poses.h>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace mrpt::fusion;
+using mrpt::poses::CPose3D;
+
+Eigen::Isometry3d mrpt::fusion::toEigen(const CPose3D& pose) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = pose.getRotationMatrix().asEigen();
+  T.translation() = Eigen::Vector3d(pose.x(), pose.y(), pose.z());
+  return T;
+}
+
+CPose3D mrpt::fusion::toPose(const Eigen::Isometry3d& T) {
+  return CPose3D(mrpt::math::CMatrixDouble44(Eigen::Matrix4d(T.matrix())));
+}
+
+Matrix6d mrpt::fusion::toYawPitchRollCovariance(const Matrix6d& covariance,
+                                                const Eigen::Isometry3d& T) {
+  // R = Rz(yaw) Ry(pitch) Rx(roll), so a small rotation is
+  // w = dyaw e_z + dpitch Rz e_y + droll Rz Ry e_x, and t moves by rho + w x t.
+  const CPose3D pose = toPose(T);
+  const Eigen::Matrix3d Rz = Eigen::AngleAxisd(pose.yaw(), Eigen::Vector3d::UnitZ()).matrix();
+  const Eigen::Matrix3d Ry = Eigen::AngleAxisd(pose.pitch(), Eigen::Vector3d::UnitY()).matrix();
+  Eigen::Matrix3d w_of_angles;
+  w_of_angles << Eigen::Vector3d::UnitZ(), Rz.col(1), (Rz * Ry).col(0);
+  const Eigen::Vector3d t = T.translation();
+  Eigen::Matrix3d minus_t_cross;
+  minus_t_cross << 0, t.z(), -t.y(), -t.z(), 0, t.x(), t.y(), -t.x(), 0;
+  Matrix6d J = Matrix6d::Zero();
+  J.topLeftCorner<3, 3>().setIdentity();
+  J.topRightCorner<3, 3>() = minus_t_cross;
+  J.bottomRightCorner<3, 3>() = w_of_angles.inverse();
+  return J * covariance * J.transpose();
+}
+
+namespace {
+constexpr double kEverywhere = 1000;  // m
+}  // namespace
+
+SearchParams mrpt::fusion::searchWithin(const mrpt::poses::CPose3DPDFGaussian& prior,
+                                        const SearchParams& configured) {
+  const auto& cov = prior.cov;
+  ASSERTMSG_(cov.asEigen().allFinite() && cov.asEigen().diagonal().minCoeff() >= 0,
+             "the covariance of the initial guess is none");
+  if (configured.translation <= 0 || cov.asEigen().isZero(0)) return configured;
+  const double half_sum = 0.5 * (cov(0, 0) + cov(1, 1));
+  const double largest =
+      half_sum + std::hypot(0.5 * (cov(0, 0) - cov(1, 1)), 0.5 * (cov(0, 1) + cov(1, 0)));
+  SearchParams search = configured;
+  search.translation = kSearchSigmas * std::sqrt(largest);
+  if (search.translation >= kEverywhere) return everywhere(configured);
+  search.translation = std::max(search.translation, configured.cell);
+  search.height = kSearchSigmas * std::sqrt(cov(2, 2));
+  search.yaw = std::min(kSearchSigmas * std::sqrt(cov(3, 3)), M_PI);
+  return search;
+}
+
+mrpt::poses::CPose3DPDFGaussian mrpt::fusion::noGuess() {
+  mrpt::poses::CPose3DPDFGaussian prior;
+  prior.cov.setDiagonal(6, kEverywhere * kEverywhere);
+  return prior;
+}
