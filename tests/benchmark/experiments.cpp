@@ -125,7 +125,7 @@ void alignFromStarts(const MapPair& pair, const std::string& method_name, const 
   std::vector<std::vector<double>> rates(thresholds.size());
   for (size_t i = 0; i < starts.size(); i++) {
     const Registration& result = results[i];
-    const Pairs pairs = pairVoxels(a.voxels, b.voxels, result.T_a_b, {});
+    const Pairs pairs = pairVoxels(a, b, result.T_a_b, {});
     const Evaluation evaluation = evaluateMatch(a, b, pairs, result.T_a_b, {});
     std::vector<double> distances;
     for (const Pair& p : pairs)

@@ -230,7 +230,7 @@ void match(State& state, const Workload& w) {
 }
 
 void evaluate(State& state, const Workload& w) {
-  const Pairs pairs = pairVoxels(w.a.voxels, w.b.voxels, w.pair.T_a_b, w.params);
+  const Pairs pairs = pairVoxels(w.a, w.b, w.pair.T_a_b, w.params);
   measure(state, [&] { return evaluateMatch(w.a, w.b, pairs, w.pair.T_a_b, {}); });
   report(state, w.voxelsOfBoth(),  // pairs, and of both tree, places and probabilities in
          bytesOf(pairs) + bytesOf(*w.pair.a) + bytesOf(*w.pair.b) + bytesOf(w.a.voxels.centre) +

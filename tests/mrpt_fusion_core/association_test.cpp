@@ -176,6 +176,28 @@ TEST_F(Association, OfVoxelsIsThatOfBruteForce) {
   }
 }
 
+TEST_F(Association, OfAnOctreesVoxelsIsTheSameWithTheirBlocks) {
+  octomap::OcTree map(0.1);
+  std::uniform_int_distribution<int> key(32740, 32790);
+  std::uniform_real_distribution<float> log_odds(0.1F, 3);
+  const auto some = [&] { return static_cast<octomap::key_type>(key(random)); };
+  for (int i = 0; i < 4000; i++)
+    map.setNodeValue(octomap::OcTreeKey(some(), some(), some()), log_odds(random), true);
+  map.updateInnerOccupancy();
+  const OccupiedVoxels model = extractOccupiedVoxels(map), scene = randomVoxels(500);
+  const VoxelBlocks blocks(model.key);
+  for (const double gate : {0.2, 0.5, 2.0}) {  // the last on a coarser grid
+    const Pairs expected = VoxelAssociation(model).associate(scene, T, {0.1, 0}, gate);
+    const Pairs pairs = VoxelAssociation(model, blocks).associate(scene, T, {0.1, 0}, gate);
+    ASSERT_GT(pairs.size(), 100U) << gate;
+    ASSERT_EQ(pairs.size(), expected.size()) << gate;
+    for (size_t i = 0; i < pairs.size(); i++) {
+      EXPECT_EQ(pairs[i].model, expected[i].model) << gate;
+      EXPECT_EQ(pairs[i].scene, expected[i].scene) << gate;
+    }
+  }
+}
+
 TEST_F(Association, OfEdgesIsThatOfBruteForceWhateverTheSignOfTheirDirections) {
   const EdgeVoxels model = randomEdges(700), scene = randomEdges(500);
   EdgeAssociation association(model);

@@ -265,14 +265,14 @@ TEST(EvaluateMatch, FreeSpaceSeesWhatTheInliersDoNot) {
   };
   Case c{room(), room()};
   c.T_a_b = poseOf(1.5, 0, 0, 0);
-  const Pairs pairs = pairVoxels(c.a.voxels, c.b.voxels, c.T_a_b, MatchParams());
+  const Pairs pairs = pairVoxels(c.a, c.b, c.T_a_b, MatchParams());
   const Evaluation e = c.with(pairs);
   EXPECT_GT(e.inlier_ratio, e.threshold);
   EXPECT_GT(e.free_space.conflictRatio(), c.params.max_free_conflict);
   EXPECT_FALSE(e.accepted);
 
   c.T_a_b = kIdentity;
-  EXPECT_TRUE(c.with(pairVoxels(c.a.voxels, c.b.voxels, c.T_a_b, MatchParams())).accepted);
+  EXPECT_TRUE(c.with(pairVoxels(c.a, c.b, c.T_a_b, MatchParams())).accepted);
 }
 
 TEST(EvaluateMatch, OfSomeVoxelsIsNearlyThatOfAll) {
@@ -288,7 +288,7 @@ TEST(EvaluateMatch, OfSomeVoxelsIsNearlyThatOfAll) {
   const auto evaluated = [&](unsigned enough) {
     MatchParams match;
     match.evaluation_voxels = enough;
-    const Pairs pairs = pairVoxels(c.a.voxels, c.b.voxels, c.T_a_b, match);
+    const Pairs pairs = pairVoxels(c.a, c.b, c.T_a_b, match);
     return evaluateMatch(c.a, c.b, pairs, c.T_a_b, c.params, 0, {}, enough);
   };
   const Evaluation all = evaluated(0), some = evaluated(3000);

@@ -233,8 +233,7 @@ TEST_F(Matching, TheMatchIsAcceptedAndAPoseOffByAMetreIsNot) {
   const MatchResult r = matchTwoLevel(fineMaps().a, fineMaps().b, guess, params);
   EXPECT_TRUE(verdictAt(r.T_a_b, r.pairs).accepted);
   const Eigen::Isometry3d wrong = truth * poseOf(1, 0, 0, 0);
-  EXPECT_FALSE(verdictAt(wrong, pairVoxels(fineMaps().a.voxels, fineMaps().b.voxels, wrong, params))
-                   .accepted);
+  EXPECT_FALSE(verdictAt(wrong, pairVoxels(fineMaps().a, fineMaps().b, wrong, params)).accepted);
 }
 
 TEST_F(Matching, EdgesWidenTheBasinOfConvergence) {
@@ -366,7 +365,7 @@ TEST_F(Matching, RecordsTheMseAndTheStepOfAnIteration) {
   const MatchResult r = matchTwoLevel(maps().a, maps().b, near, one_iteration);
   ASSERT_EQ(r.iterations.size(), 1);
   EXPECT_EQ(r.iterations[0].level, Level::Voxel);
-  const Pairs pairs = pairVoxels(maps().a.voxels, maps().b.voxels, near, params);
+  const Pairs pairs = pairVoxels(maps().a, maps().b, near, params);
   EXPECT_EQ(r.iterations[0].pairs, pairs.size());
   EXPECT_DOUBLE_EQ(r.iterations[0].mse, meanSquaredError(pairs));
   const Eigen::Vector3d middle = meanOf(maps().b.matched.voxels.centre);
@@ -439,7 +438,7 @@ TEST_F(Matching, ACorridorThatSlidesIsKnownToAndIsNotTrusted) {
       const Evaluation e = judgeMatch(fa, fb, near, {}, r);
       MatchResult given;
       given.T_a_b = T_a_b;
-      given.pairs = pairVoxels(fa.voxels, fb.voxels, T_a_b, near);
+      given.pairs = pairVoxels(fa, fb, T_a_b, near);
       const Evaluation of_given = judgeMatch(fa, fb, near, {}, given);
       EXPECT_EQ(e.accepted, with_pillars) << yaw;
       EXPECT_EQ(of_given.accepted, with_pillars) << yaw;
@@ -484,7 +483,7 @@ TEST_F(Matching, OfEmptyMapsReturnsTheGuess) {
     const MatchResult r = matchMaps(*a, *b, guess, params);
     EXPECT_EQ(r.T_a_b.matrix(), guess.matrix());
     EXPECT_FALSE(r.hasPairs());
-    EXPECT_TRUE(pairVoxels(a->voxels, b->voxels, guess, params).empty());
+    EXPECT_TRUE(pairVoxels(*a, *b, guess, params).empty());
   }
 }
 

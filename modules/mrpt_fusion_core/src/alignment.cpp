@@ -109,7 +109,7 @@ Alignment evaluate(const MapView& m1, const MapView& m2, const mrpt::poses::CPos
   result.voxels_m1 = a.voxels.size();
   result.voxels_m2 = b.voxels.size();
   result.match.T_a_b = toEigen(pose);
-  result.match.pairs = pairVoxels(a.voxels, b.voxels, result.match.T_a_b, options.match);
+  result.match.pairs = pairVoxels(a, b, result.match.T_a_b, options.match);
   result.evaluation = judgeMatch(a, b, options.match, options.evaluation, result.match);
   result.seconds_evaluation = secondsSince(clock);
   return result;

@@ -12,10 +12,14 @@ namespace mrpt::fusion {
 
 double occupancyUncertainty(const std::vector<float>& model_probability,
                             const std::vector<float>& scene_probability) {
-  double sum = 0;
+  double sum = 0, term = 0;
+  float last = 0;  // neighbours are often as sure as each other
   for (const auto* probabilities : {&model_probability, &scene_probability})
-    for (const float p : *probabilities)
-      if (p > 0) sum -= p * std::log(static_cast<double>(p));
+    for (const float p : *probabilities) {
+      if (p != last) term = p > 0 ? p * std::log(static_cast<double>(p)) : 0;
+      last = p;
+      sum -= term;
+    }
   const size_t n = model_probability.size() + scene_probability.size();
   return n > 0 ? sum / static_cast<double>(n) : 0;
 }
@@ -62,20 +66,20 @@ Pairs associateEach(size_t n, const Pairs* among, FindModel&& find) {
 
 struct VoxelAssociation::Impl {
   explicit Impl(const OccupiedVoxels& m) : model(m), search(m.centre, m.resolution) {}
+  Impl(const OccupiedVoxels& m, const VoxelBlocks& blocks)
+      : model(m), search(m.centre, m.resolution, blocks) {}
 
   const OccupiedVoxels& model;
   VoxelSearch search;
 };
 
 VoxelAssociation::VoxelAssociation(const OccupiedVoxels& model) : impl_(new Impl(model)) {}
+VoxelAssociation::VoxelAssociation(const OccupiedVoxels& model, const VoxelBlocks& blocks)
+    : impl_(new Impl(model, blocks)) {}
 VoxelAssociation::~VoxelAssociation() = default;
 VoxelAssociation::VoxelAssociation(VoxelAssociation&&) noexcept = default;
 
-void VoxelAssociation::prepare(double gate) {
-  // A voxel without a partner a little beyond the gate has none within it a little farther on.
-  constexpr double kBeyond = 0.25;
-  impl_->search.prepare(gate + kBeyond * impl_->model.resolution);
-}
+void VoxelAssociation::prepare(double gate) { impl_->search.prepare(gate); }
 
 Pairs VoxelAssociation::associate(const OccupiedVoxels& scene, const Eigen::Isometry3d& T_a_b,
                                   const DescriptorWeights& weights, double gate, const Pairs* among,

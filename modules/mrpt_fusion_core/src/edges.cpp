@@ -23,68 +23,56 @@ constexpr uint32_t kNone = ~uint32_t{0};
 
 VoxelBlocks::Place placeOf(const octomap::OcTreeKey& key) { return {key[0], key[1], key[2]}; }
 
-/** Of the eight cells of a cube of side two, by the mask of those that are there: how many, and the
- * sums of their coordinates (0 or 1) and of the products of two; a byte each. */
-struct CubeSums {
-  enum Sum { N, X, Y, Z, XY, XZ, YZ };
-  uint64_t packed = 0;
+/** Sums over some cells of a block of 4x4x4, by their coordinates (0 to 3) in it: how many, the
+ * coordinates and the products of two. A byte each, which those of all 64 cells fit in. */
+struct CellSums {
+  uint64_t n_x_y_z_xy_xz_yz = 0;  ///< lowest byte first
+  uint64_t xx_yy_zz = 0;
 
-  int get(Sum s) const { return static_cast<int>(packed >> (8U * s) & 255U); }
-  CubeSums operator+(const CubeSums& o) const { return {packed + o.packed}; }
-
-  static constexpr CubeSums of(unsigned mask) {
-    CubeSums sums;
-    for (unsigned cell = 0; cell < 8; cell++) {
-      if (!(mask >> cell & 1U)) continue;
-      const uint64_t x = cell & 1U, y = cell >> 1U & 1U, z = cell >> 2U;
-      sums.packed +=
-          1 | x << 8U | y << 16U | z << 24U | (x & y) << 32U | (x & z) << 40U | (y & z) << 48U;
-    }
-    return sums;
+  static constexpr CellSums of(uint64_t x, uint64_t y, uint64_t z) {
+    return {1 | x << 8U | y << 16U | z << 24U | x * y << 32U | x * z << 40U | y * z << 48U,
+            x * x | y * y << 8U | z * z << 16U};
   }
 };
-constexpr auto kCubeSums = [] {
-  std::array<CubeSums, 256> sums{};
-  for (unsigned mask = 0; mask < 256; mask++) sums[mask] = CubeSums::of(mask);
+constexpr auto kCellSums = [] {
+  std::array<CellSums, 64> sums{};
+  for (int cell = 0; cell < 64; cell++) {
+    const auto [x, y, z] = VoxelBlocks::coordinatesOf(cell);
+    sums[static_cast<size_t>(cell)] =
+        CellSums::of(static_cast<uint64_t>(x), static_cast<uint64_t>(y), static_cast<uint64_t>(z));
+  }
   return sums;
 }();
 
 /** Mean and spread of a set of offsets. Sums of whole numbers are exact, whatever their order. */
 class Moments {
  public:
-  /** Adds the offsets of a block's voxels, from its eight cubes of side two.
+  /** Adds the offsets of a block's voxels.
    * \param[in] cells Those that are there. \param[in] o Offset of its lowest cell. */
   void add(uint64_t cells, const VoxelBlocks::Offset& o) {
-    std::array<CubeSums, 8> cube;
-    for (unsigned i = 0; i < 8; i++) cube[i] = kCubeSums[cells >> 8U * i & 255U];
-    // The coordinates of a cube's cells are its own, which are even, and theirs within it.
-    const CubeSums right = cube[1] + cube[3] + cube[5] + cube[7],
-                   back = cube[2] + cube[3] + cube[6] + cube[7],
-                   top = cube[4] + cube[5] + cube[6] + cube[7],
-                   all = right + cube[0] + cube[2] + cube[4] + cube[6];
-    using S = CubeSums;
-    const int n = all.get(S::N), nx = right.get(S::N), ny = back.get(S::N), nz = top.get(S::N);
-    const int x = all.get(S::X) + 2 * nx, y = all.get(S::Y) + 2 * ny, z = all.get(S::Z) + 2 * nz;
-    const int xx = all.get(S::X) + 4 * (right.get(S::X) + nx),
-              yy = all.get(S::Y) + 4 * (back.get(S::Y) + ny),
-              zz = all.get(S::Z) + 4 * (top.get(S::Z) + nz);
-    const auto product = [&](S::Sum uv, const CubeSums& of_u, S::Sum v, const CubeSums& of_v,
-                             S::Sum u, const CubeSums& one, const CubeSums& other) {
-      return all.get(uv) + 2 * (of_u.get(v) + of_v.get(u)) + 4 * (one + other).get(S::N);
+    CellSums sums;
+    for (; cells; cells &= cells - 1) {
+      const CellSums& cell = kCellSums[static_cast<size_t>(__builtin_ctzll(cells))];
+      sums.n_x_y_z_xy_xz_yz += cell.n_x_y_z_xy_xz_yz;
+      sums.xx_yy_zz += cell.xx_yy_zz;
+    }
+    const auto linear = [&](unsigned byte) {
+      return static_cast<int>(sums.n_x_y_z_xy_xz_yz >> 8U * byte & 255U);
     };
-    const int xy = product(S::XY, right, S::Y, back, S::X, cube[3], cube[7]),
-              xz = product(S::XZ, right, S::Z, top, S::X, cube[5], cube[7]),
-              yz = product(S::YZ, back, S::Z, top, S::Y, cube[6], cube[7]);
+    const auto square = [&](unsigned byte) {
+      return static_cast<int>(sums.xx_yy_zz >> 8U * byte & 255U);
+    };
+    const int n = linear(0), x = linear(1), y = linear(2), z = linear(3);
     n_ += n;
     x_ += x + n * o[0];
     y_ += y + n * o[1];
     z_ += z + n * o[2];
-    xx_ += xx + (2 * x + n * o[0]) * o[0];
-    yy_ += yy + (2 * y + n * o[1]) * o[1];
-    zz_ += zz + (2 * z + n * o[2]) * o[2];
-    xy_ += xy + x * o[1] + (y + n * o[1]) * o[0];
-    xz_ += xz + x * o[2] + (z + n * o[2]) * o[0];
-    yz_ += yz + y * o[2] + (z + n * o[2]) * o[1];
+    xx_ += square(0) + (2 * x + n * o[0]) * o[0];
+    yy_ += square(1) + (2 * y + n * o[1]) * o[1];
+    zz_ += square(2) + (2 * z + n * o[2]) * o[2];
+    xy_ += linear(4) + x * o[1] + (y + n * o[1]) * o[0];
+    xz_ += linear(5) + x * o[2] + (z + n * o[2]) * o[0];
+    yz_ += linear(6) + y * o[2] + (z + n * o[2]) * o[1];
   }
   size_t size() const { return static_cast<size_t>(n_); }
   Eigen::Vector3d mean() const {

@@ -85,10 +85,11 @@ struct LevelProblem {
 Pairs firstPairs(const LevelProblem& problem, const Eigen::Isometry3d& T, double gate,
                  const Pairs* among = nullptr) {
   constexpr size_t kEnough = 4000;
-  const size_t stride = (problem.scene_size + kEnough - 1) / kEnough;
+  const size_t all = among ? among->size() : problem.scene_size;
+  const size_t stride = (all + kEnough - 1) / kEnough;
   Pairs some;
-  for (size_t i = 0; i < problem.scene_size; i += stride)
-    some.push_back({0, static_cast<uint32_t>(i), 0});
+  for (size_t i = 0; i < all; i += stride)
+    some.push_back({0, among ? (*among)[i].scene : static_cast<uint32_t>(i), 0});
   const Pairs nearest = problem.associate(T, DescriptorWeights{}, gate, &some);
   return problem.associate(T, problem.weights(meanSquaredError(nearest)), gate, among);
 }
@@ -227,7 +228,7 @@ void matchVoxels(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& a
   const Pairs last = runLevel(level, from_gate, twoVoxels(a, b), params, result, on_iteration);
   if (last.size() >= MatchResult::kMinPairs)
     result.covariance = level.covarianceAt(last, result.T_a_b, largerVoxel(a, b));
-  result.pairs = pairVoxels(a.voxels, b.voxels, result.T_a_b, params);
+  result.pairs = pairVoxels(a, b, result.T_a_b, params);
 }
 
 OccupiedVoxels select(const OccupiedVoxels& voxels, const std::vector<uint32_t>& indices) {
@@ -599,16 +600,17 @@ double agreement(const MapVoxels& a, const Obstacles& of_a, const MapVoxels& b,
   return confirmed * std::exp(-contradicted / (confirmed + contradicted) / kTolerance);
 }
 
-Pairs pairVoxels(const OccupiedVoxels& a, const OccupiedVoxels& b, const Eigen::Isometry3d& T_a_b,
+Pairs pairVoxels(const MapVoxels& a, const MapVoxels& b, const Eigen::Isometry3d& T_a_b,
                  const MatchParams& params) {
-  if (a.size() == 0 || b.size() == 0) return {};
-  VoxelAssociation association(a);
-  const double H_m = occupancyUncertainty(a.probability, b.probability);
+  const size_t n = b.voxels.size();
+  if (a.voxels.size() == 0 || n == 0) return {};
+  VoxelAssociation association(a.voxels, a.occupied);
+  const double H_m = occupancyUncertainty(a.voxels.probability, b.voxels.probability);
   Pairs asked;
-  const size_t stride = strideFor(b.size(), params.evaluation_voxels);
-  for (size_t i = 0; i < b.size(); i += stride) asked.push_back({0, static_cast<uint32_t>(i), 0});
-  return firstPairs(voxelPairing(b, H_m, association, params), T_a_b, params.voxel_level.gate,
-                    &asked);
+  const size_t stride = strideFor(n, params.evaluation_voxels);
+  for (size_t i = 0; i < n; i += stride) asked.push_back({0, static_cast<uint32_t>(i), 0});
+  return firstPairs(voxelPairing(b.voxels, H_m, association, params), T_a_b,
+                    params.voxel_level.gate, &asked);
 }
 
 }  // namespace mrpt::fusion

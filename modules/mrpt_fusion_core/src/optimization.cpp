@@ -7,6 +7,9 @@
 #include <cmath>
 #include <map>
 #include <utility>
+#include <vector>
+
+#include "parallel.h"
 
 namespace mrpt::fusion {
 namespace {
@@ -26,22 +29,38 @@ NormalEquations sumOf(const std::vector<Eigen::Vector3f>& scene, const Pairs& pa
   if (pairs.empty()) return n;
   for (const Pair& p : pairs) n.centre += scene[p.scene].cast<double>();
   n.centre = T * (n.centre / static_cast<double>(pairs.size()));
-  Eigen::Matrix3d tt = Eigen::Matrix3d::Zero(), rt = tt, rr = tt;  // blocks of H
-  for (const Pair& p : pairs) {
-    const Eigen::Vector3d q = T * scene[p.scene].cast<double>();
-    const auto [e, W] = term(p, q);
-    const Eigen::Vector3d r = q - n.centre, We = W * e;
-    Eigen::Matrix3d rW, rWr;  // [r]x W, and ([r]x W) [r]x' by its rows
-    for (int i = 0; i < 3; i++) rW.col(i) = r.cross(W.col(i));
-    for (int i = 0; i < 3; i++) rWr.col(i) = r.cross(rW.row(i).transpose());
-    tt += W;
-    rt += rW;
-    rr += rWr;
-    n.g.head<3>() += We;
-    n.g.tail<3>() += r.cross(We);  // (-[r]x)' = [r]x
-    n.error += e.dot(We);
+  struct Sums {
+    Eigen::Matrix3d tt = Eigen::Matrix3d::Zero(), rt = tt, rr = tt;  // blocks of H
+    Vector6d g = Vector6d::Zero();
+    double error = 0;
+  };
+  constexpr size_t kPairs = 2000;  // of a part: what is added up when does not hang on the threads
+  std::vector<Sums> parts((pairs.size() + kPairs - 1) / kPairs);
+  forEachIndex(parts.size(), 1, [&](size_t part) {
+    Sums sums;
+    for (size_t i = part * kPairs; i < std::min(pairs.size(), (part + 1) * kPairs); i++) {
+      const Eigen::Vector3d q = T * scene[pairs[i].scene].cast<double>();
+      const auto [e, W] = term(pairs[i], q);
+      const Eigen::Vector3d r = q - n.centre, We = W * e;
+      Eigen::Matrix3d rW, rWr;  // [r]x W, and ([r]x W) [r]x' by its rows
+      for (int k = 0; k < 3; k++) rW.col(k) = r.cross(W.col(k));
+      for (int k = 0; k < 3; k++) rWr.col(k) = r.cross(rW.row(k).transpose());
+      sums.tt += W;
+      sums.rt += rW;
+      sums.rr += rWr;
+      sums.g.template head<3>() += We;
+      sums.g.template tail<3>() += r.cross(We);  // (-[r]x)' = [r]x
+      sums.error += e.dot(We);
+    }
+    parts[part] = sums;
+  });
+  for (const Sums& sums : parts) {
+    Matrix6d H;
+    H << sums.tt, sums.rt.transpose(), sums.rt, sums.rr;
+    n.H += H;
+    n.g += sums.g;
+    n.error += sums.error;
   }
-  n.H << tt, rt.transpose(), rt, rr;
   return n;
 }
 

@@ -191,9 +191,10 @@ struct Place {
     const auto square = [](int64_t v) { return v * v; };
     return square(yaw) + square(x) + square(y) + square(z);
   }
-  bool isBetterThan(const Place& o) const {  // near the guess first
-    return std::make_tuple(-score, farness(), yaw, x, y, z) <
-           std::make_tuple(-o.score, o.farness(), o.yaw, o.x, o.y, o.z);
+  bool isBetterThan(const Place& o) const {  // of those as good those near the guess
+    if (score != o.score) return score > o.score;
+    return std::make_tuple(farness(), yaw, x, y, z) <
+           std::make_tuple(o.farness(), o.yaw, o.x, o.y, o.z);
   }
 };
 

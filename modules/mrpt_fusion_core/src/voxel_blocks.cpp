@@ -7,14 +7,6 @@
 namespace mrpt::fusion {
 namespace {
 
-/** Every third bit, from bit 0 on, is one of the 16 given. */
-uint64_t spread16(uint64_t v) {
-  v = (v | v << 16U) & 0x0000FF0000FFULL;
-  v = (v | v << 8U) & 0x00F00F00F00FULL;
-  v = (v | v << 4U) & 0x0C30C30C30C3ULL;
-  return (v | v << 2U) & 0x249249249249ULL;
-}
-
 struct Entry {
   uint64_t order;
   uint32_t voxel;
@@ -22,10 +14,6 @@ struct Entry {
 };
 
 }  // namespace
-
-uint64_t octreeOrder(const octomap::OcTreeKey& key) {
-  return spread16(key[0]) | spread16(key[1]) << 1U | spread16(key[2]) << 2U;
-}
 
 /** Adds the next cell in order; \a content is the number of what there is so far. */
 void VoxelBlocks::add(Cells& cells, int cell, uint32_t content) {
@@ -40,6 +28,10 @@ VoxelBlocks::VoxelBlocks(const std::vector<octomap::OcTreeKey>& keys) {
     entries[i] = {octreeOrder(keys[i]), static_cast<uint32_t>(i)};
   if (!std::is_sorted(entries.begin(), entries.end())) std::sort(entries.begin(), entries.end());
 
+  size_t blocks = 0;
+  for (size_t i = 0; i < entries.size(); i++)
+    blocks += i == 0 || entries[i].order >> 6U != entries[i - 1].order >> 6U ? 1 : 0;
+  blocks_.reserve(blocks);
   voxels_.reserve(keys.size());
   constexpr uint64_t kNoBlock = ~uint64_t{0};
   uint64_t last_block = kNoBlock;
@@ -114,32 +106,29 @@ VoxelBlocks::Ball::Ball(double radius, double beyond)
   const auto left = [&](int squared, int used) {
     return squared < used ? -1 : root[static_cast<size_t>(squared - used)];
   };
-  // The cells along x at most so far from one, in the block at an offset.
-  const auto alongX = [](int cells, int from, int far) {
-    return far < 0 ? 0 : range(0, from - far - cells, from + far - cells);
-  };
-  for (int bz = -reach_; bz <= reach_; bz++)
-    for (int by = -reach_; by <= reach_; by++)
-      for (int bx = -reach_; bx <= reach_; bx++) {
-        Masks masks{};
-        for (int from = 0; from < 64; from++)
-          for (int z = 0; z < 4; z++)
-            for (int y = 0; y < 4; y++) {
-              const int dy = 4 * by + y - yOf(from), dz = 4 * bz + z - zOf(from);
-              const int used = dy * dy + dz * dz;
-              if (used > most) continue;
-              masks[static_cast<size_t>(from)] |= alongX(4 * bx, xOf(from), left(most, used)) &
-                                                  ~alongX(4 * bx, xOf(from), left(least, used)) &
-                                                  range(1, y, y) & range(2, z, z);
-            }
-        blocks_.push_back(masks);
+  masks_.assign(64 * static_cast<size_t>(std::pow(2 * reach_ + 1, 3)), 0);
+  // Row by row: what an axis has left of the radius when the other two have used theirs.
+  for (size_t cell = 0; cell < 64; cell++) {
+    const int from = static_cast<int>(cell);
+    for (int dz = -radius_; dz <= radius_; dz++)
+      for (int dy = -radius_; dy <= radius_; dy++) {
+        const int far = left(most, dy * dy + dz * dz), near = left(least, dy * dy + dz * dz);
+        if (far < 0) continue;
+        const int x = xOf(from), y = yOf(from) + dy, z = zOf(from) + dz;
+        const uint64_t row = range(1, y & 3, y & 3) & range(2, z & 3, z & 3);
+        for (int bx = (x - far) >> 2; bx <= (x + far) >> 2; bx++) {
+          uint64_t along = range(0, x - far - 4 * bx, x + far - 4 * bx);
+          if (near >= 0) along &= ~range(0, x - near - 4 * bx, x + near - 4 * bx);
+          masks_[index(cell, bx, y >> 2, z >> 2)] |= along & row;
+        }
       }
+  }
   if (reach_ > 1) return;
   for (size_t cell = 0; cell < 64; cell++) {
     for (int bz = -reach_; bz <= reach_; bz++)
       for (int by = -reach_; by <= reach_; by++)
         for (int bx = -reach_; bx <= reach_; bx++)
-          if (const uint64_t mask = of(bx, by, bz)[cell])
+          if (const uint64_t mask = of(cell, bx, by, bz))
             parts_.push_back({mask, static_cast<size_t>((bz + 1) * 9 + (by + 1) * 3 + bx + 1)});
     part_[cell + 1] = parts_.size();
   }

@@ -12,6 +12,28 @@ VoxelSearch::VoxelSearch(const std::vector<Eigen::Vector3f>& points, double cell
   build(cell);
 }
 
+namespace {
+constexpr double kKeys = 65536;  // along an axis
+constexpr double kRounding = 1e-2;
+
+/** How much nearer than its cell a point can be, cells. \param[in] off_centre Of its cell's middle.
+ */
+double slackOf(double off_centre) { return std::sqrt(0.75) + off_centre + kRounding; }
+}  // namespace
+
+VoxelSearch::VoxelSearch(const std::vector<Eigen::Vector3f>& voxels, double resolution,
+                         const VoxelBlocks& blocks)
+    : points_(voxels),
+      cell_(static_cast<float>(resolution)),
+      slack_(slackOf(kRounding)),
+      blocks_(&blocks),
+      first_(voxels.size() + 1),
+      point_(voxels.size()) {
+  low_.setConstant(static_cast<float>(-0.5 * kKeys * resolution));
+  std::iota(first_.begin(), first_.end(), 0);
+  std::iota(point_.begin(), point_.end(), 0);
+}
+
 void VoxelSearch::build(double cell) {
   const std::vector<Eigen::Vector3f>& points = points_;
   rings_.clear();
@@ -23,7 +45,6 @@ void VoxelSearch::build(double cell) {
     low_ = low_.cwiseMin(p);
     high = high.cwiseMax(p);
   }
-  constexpr double kKeys = 65536;  // along an axis
   const double extent = (high - low_).cast<double>().maxCoeff();
   if (!(cell > 0)) cell = std::max(extent / std::cbrt(static_cast<double>(points.size())), 1e-6);
   cell = std::max(cell, extent / (kKeys - 2));
@@ -43,8 +64,7 @@ void VoxelSearch::build(double cell) {
     const Eigen::Vector3f centre(keys[i][0] + 0.5F, keys[i][1] + 0.5F, keys[i][2] + 0.5F);
     off_centre = std::max(off_centre, (place - centre).squaredNorm());
   }
-  constexpr double kRounding = 1e-2;
-  slack_ = std::sqrt(0.75) + std::sqrt(off_centre) + kRounding;
+  slack_ = slackOf(std::sqrt(off_centre));
 
   point_.resize(points.size());
   std::iota(point_.begin(), point_.end(), 0);
@@ -61,7 +81,8 @@ void VoxelSearch::build(double cell) {
       first_.push_back(k);
     }
   first_.push_back(static_cast<uint32_t>(point_.size()));
-  blocks_ = VoxelBlocks(cells);
+  own_ = VoxelBlocks(cells);
+  blocks_ = &own_;
 }
 
 void VoxelSearch::prepare(double gate) {
@@ -69,9 +90,10 @@ void VoxelSearch::prepare(double gate) {
   // With wide gates a fine grid is mostly empty cells to look into.
   constexpr double kMostCells = 12;
   if (gate > kMostCells * cell_) build(gate / kMostCells);
-  const double radius = gate / cell_ + slack_;
+  constexpr double kGrowth = 1.75;  // the second is for two cells, the least gate of voxel pairs
+  const double radius = gate / cell_ + kBeyond + slack_;
   while (rings_.empty() || prepared_ < radius) {
-    const double next = rings_.empty() ? kBeside : std::min(1.6 * prepared_, radius);
+    const double next = rings_.empty() ? kBeside : std::min(kGrowth * prepared_, radius);
     const double sure = std::max(0.0, next - slack_) * cell_;
     rings_.push_back(
         {VoxelBlocks::Ball(next, rings_.empty() ? -1 : kBeside), static_cast<float>(sure * sure)});

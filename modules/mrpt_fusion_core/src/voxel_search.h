@@ -19,9 +19,16 @@ class VoxelSearch {
   /** \param[in] points Metres; must outlive the search. \param[in] cell Side of the grid's cells,
    * m; any, if not positive. Fastest where it is the grid of the points. */
   VoxelSearch(const std::vector<Eigen::Vector3f>& points, double cell);
+  /** For the voxels of an octree, which are indexed already.
+   * \param[in] voxels Their middles, m. \param[in] resolution Of the octree, m. \param[in] blocks
+   * Of their keys, in the same order. All must outlive the search. */
+  VoxelSearch(const std::vector<Eigen::Vector3f>& voxels, double resolution,
+              const VoxelBlocks& blocks);
+  VoxelSearch(const VoxelSearch&) = delete;
+  VoxelSearch& operator=(const VoxelSearch&) = delete;
 
-  /** Makes ready for queries up to a distance, m, on a coarser grid if need be. Not while a query
-   * runs. */
+  /** Makes ready for queries up to a distance, m, on a coarser grid if need be: queries from there
+   * tell of the others a little beyond it. Not while a query runs. */
   void prepare(double gate);
 
   static constexpr uint32_t kNone = ~uint32_t{0};
@@ -46,7 +53,7 @@ class VoxelSearch {
     float squared_of_best = best.others;
     const VoxelBlocks::Place at{floorOf(place.x()), floorOf(place.y()), floorOf(place.z())};
     const auto look = [&](const Ring& ring) {
-      blocks_.forEachAround(at, ring.ball, [&](uint32_t c, const VoxelBlocks::Offset&) {
+      blocks_->forEachAround(at, ring.ball, [&](uint32_t c, const VoxelBlocks::Offset&) {
         for (uint32_t k = first_[c]; k < first_[c + 1]; k++) {
           const uint32_t i = point_[k];
           const float squared = (points_[i] - p).squaredNorm(), d = squared + extra(i);
@@ -65,8 +72,11 @@ class VoxelSearch {
     look(rings_.front());
     const Ring* last = &rings_.front();
     if (best.distance >= last->sure) {
-      size_t wide = 1;  // the narrowest that holds all that could be nearer still
-      while (wide + 1 < rings_.size() && rings_[wide].sure <= best.distance) wide++;
+      // The narrowest that holds all that could be nearer still, and a little more: what is known
+      // of the others then tells of places nearby, too.
+      const float far = std::sqrt(best.distance) + kBeyond * cell_;
+      size_t wide = 1;
+      while (wide + 1 < rings_.size() && rings_[wide].sure <= far * far) wide++;
       if (wide < rings_.size()) look(*(last = &rings_[wide]));
     }
     best.others = std::min(best.others, last->sure);
@@ -74,6 +84,7 @@ class VoxelSearch {
   }
 
  private:
+  static constexpr float kBeyond = 0.25F;        // cells
   static constexpr float kFarthestPlace = 1e6F;  // cells; the grid has 2^16
 
   struct Ring {
@@ -92,7 +103,8 @@ class VoxelSearch {
   float cell_ = 1;
   double slack_ = 0;     // cells: how much nearer a point can be than its cell's offset is long
   double prepared_ = 0;  // the largest radius, cells
-  VoxelBlocks blocks_;   // cells that hold points
+  VoxelBlocks own_;      // if none are given
+  const VoxelBlocks* blocks_ = &own_;    // cells that hold points
   std::vector<uint32_t> first_, point_;  // the points of each cell
   std::vector<Ring> rings_;
 };

@@ -4,23 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace mrpt::fusion {
-namespace {
-
-/** Finest voxels along the side of a leaf, and in all of it. */
-template <class Leaf>
-uint32_t sideOf(const octomap::OcTree& map, const Leaf& leaf) {
-  return 1U << (map.getTreeDepth() - leaf.getDepth());
-}
-template <class Leaf>
-size_t volumeOf(const octomap::OcTree& map, const Leaf& leaf) {
-  const size_t side = sideOf(map, leaf);
-  return side * side * side;
-}
-
-}  // namespace
-
 OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map, size_t max_voxels) {
   OccupiedVoxels voxels;
   voxels.resolution = map.getResolution();
@@ -44,17 +30,23 @@ Eigen::Vector3d meanOf(const std::vector<Eigen::Vector3f>& points) {
 MapStatistics statisticsOf(const octomap::OcTree& map) {
   MapStatistics s;
   double entropy_occupied = 0, entropy_free = 0;
-  for (auto it = map.begin_leafs(); it != map.end_leafs(); ++it) {
-    const size_t n = volumeOf(map, it);
-    const double h = static_cast<double>(n) * binaryEntropy(it->getOccupancy());
-    if (map.isNodeOccupied(*it)) {
+  float last = std::numeric_limits<float>::quiet_NaN();  // neighbours are often as sure
+  double entropy = 0;
+  mrpt::maps::forEachLeaf(map, [&](const mrpt::maps::OcTreeCube& leaf, const auto& node) {
+    const size_t side = leaf.side(), n = side * side * side;
+    if (node.getLogOdds() != last) {
+      last = node.getLogOdds();
+      entropy = binaryEntropy(node.getOccupancy());
+    }
+    const double h = static_cast<double>(n) * entropy;
+    if (map.isNodeOccupied(node)) {
       s.occupied += n;
       entropy_occupied += h;
     } else {
       s.free += n;
       entropy_free += h;
     }
-  }
+  });
   if (s.occupied) s.mean_entropy_occupied = entropy_occupied / static_cast<double>(s.occupied);
   if (s.occupied + s.free)
     s.mean_entropy_known =

@@ -63,6 +63,9 @@ class VoxelAssociation {
  public:
   /** \param[in] model Not owned, must outlive this. */
   explicit VoxelAssociation(const OccupiedVoxels& model);
+  /** \overload
+   * With \a blocks of the model's keys, not owned either: saves building them. */
+  VoxelAssociation(const OccupiedVoxels& model, const VoxelBlocks& blocks);
   ~VoxelAssociation();
   VoxelAssociation(VoxelAssociation&&) noexcept;  ///< the other can but be destroyed
 

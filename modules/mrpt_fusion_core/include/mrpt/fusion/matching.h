@@ -73,8 +73,8 @@ struct MatchParams {
   LevelParams voxel_level{30, 0.5, 0.2};            ///< gate: Table I; never below two voxels
   VoxelMetric voxel_metric = VoxelMetric::Surface;  ///< what the voxel level minimises
   double flatness = 0.01;  ///< of a surface voxel: variance across over variance along it
-  /** Few steps: the pairs change before they have converged. */
-  SolverParams solver{2, 1e-5, 1e-5};
+  /** One step: the pairs change before a second one would tell. */
+  SolverParams solver{1, 1e-5, 1e-5};
   /** Of each map, spread evenly: those that are paired at the end, and the verdict asks (not in the
    * paper, which takes all: 0). */
   unsigned evaluation_voxels = kVoxelsOfVerdict;
@@ -203,7 +203,7 @@ double agreement(const MapVoxels& a, const Obstacles& of_a, const MapVoxels& b,
 
 /** The voxel pairs at a given pose, weighted and gated as the voxel level begins: what
  * evaluateMatch() judges. Of params.evaluation_voxels of b's voxels, see strideFor(). */
-Pairs pairVoxels(const OccupiedVoxels& a, const OccupiedVoxels& b, const Eigen::Isometry3d& T_a_b,
+Pairs pairVoxels(const MapVoxels& a, const MapVoxels& b, const Eigen::Isometry3d& T_a_b,
                  const MatchParams& params);
 
 // ------------------------------------------------------------------------------------------------

@@ -10,8 +10,20 @@
 
 namespace mrpt::fusion {
 
+namespace detail {
+/** Every third bit, from bit 0 on, is one of the 16 given. */
+inline uint64_t spread16(uint64_t v) {
+  v = (v | v << 16U) & 0x0000FF0000FFULL;
+  v = (v | v << 8U) & 0x00F00F00F00FULL;
+  v = (v | v << 4U) & 0x0C30C30C30C3ULL;
+  return (v | v << 2U) & 0x249249249249ULL;
+}
+}  // namespace detail
+
 /** Place of a finest voxel among the leaves of an octree, in the order of their traversal. */
-uint64_t octreeOrder(const octomap::OcTreeKey& key);
+inline uint64_t octreeOrder(const octomap::OcTreeKey& key) {
+  return detail::spread16(key[0]) | detail::spread16(key[1]) << 1U | detail::spread16(key[2]) << 2U;
+}
 
 /** Finds the voxels around places by their keys: blocks of 4x4x4 voxels and groups of 4x4x4 blocks,
  * each a mask of 64 bits in the octree's order, and a hash of the groups.
@@ -28,6 +40,8 @@ class VoxelBlocks {
   /** Whole voxels along each axis: a key that may lie outside of the key range. */
   using Place = std::array<int, 3>;
   using Offset = std::array<int, 3>;  ///< from one place to another
+  /** Of a bit of a block's mask: its cell's, 0 to 3. */
+  static constexpr Offset coordinatesOf(int cell) { return {xOf(cell), yOf(cell), zOf(cell)}; }
 
   /** All offsets longer than one radius and at most as long as another (voxels), as masks: for each
    * cell of a block, which cells of the blocks around it. Memory: 512 bytes times
@@ -39,21 +53,23 @@ class VoxelBlocks {
 
    private:
     friend class VoxelBlocks;
-    using Masks = std::array<uint64_t, 64>;  // by cell
-    struct Part {                            // what is in one of the blocks beside a cell's own
+    struct Part {  // what is in one of the blocks beside a cell's own
       uint64_t mask;
       size_t beside;
     };
     int radius_;                   // in whole voxels
     int reach_;                    // in blocks
-    std::vector<Masks> blocks_;    // of each block around, x fastest
+    std::vector<uint64_t> masks_;  // of each cell in turn, of each block around, x fastest
     std::vector<Part> parts_;      // of each cell in turn, none empty; none if it reaches farther
     std::array<size_t, 65> part_;  // the first of each cell, and their number
 
-    const Masks& of(int x, int y, int z) const {
+    /** Of the block at an offset from a cell's own. */
+    size_t index(size_t cell, int x, int y, int z) const {
       const int side = 2 * reach_ + 1;
-      return blocks_[static_cast<size_t>(((z + reach_) * side + y + reach_) * side + x + reach_)];
+      return cell * static_cast<size_t>(side * side * side) +
+             static_cast<size_t>(((z + reach_) * side + y + reach_) * side + x + reach_);
     }
+    uint64_t of(size_t cell, int x, int y, int z) const { return masks_[index(cell, x, y, z)]; }
   };
 
   /** Calls `f(j, offset)` for each voxel j within the ball around a place, occupied or not, in an
@@ -210,7 +226,7 @@ void VoxelBlocks::forEachPart(const Place& place, const Ball& ball, F&& f) const
                {(x + r) >> 2, (y + r) >> 2, (z + r) >> 2}, [&](const Block& block) {
                  const auto [bx, by, bz] = block.place;
                  const uint64_t found =
-                     block.mask & ball.of(bx - (x >> 2), by - (y >> 2), bz - (z >> 2))[cell];
+                     block.mask & ball.of(cell, bx - (x >> 2), by - (y >> 2), bz - (z >> 2));
                  return found && f(block, found);
                });
 }
@@ -234,7 +250,7 @@ void VoxelBlocks::Window::forEachAround(const Offset& offset, const Ball& ball, 
       for (int bx = (x - r) >> 2; bx <= (x + r) >> 2; bx++) {
         uint64_t found = masks_[index(bx, by, bz)];
         if (!found) continue;
-        found &= ball.of(bx - (x >> 2), by - (y >> 2), bz - (z >> 2))[cell];
+        found &= ball.of(cell, bx - (x >> 2), by - (y >> 2), bz - (z >> 2));
         for (; found; found &= found - 1) {
           const int other = __builtin_ctzll(found);
           f(Offset{4 * bx + xOf(other) - at_[0], 4 * by + yOf(other) - at_[1],

@@ -63,6 +63,7 @@ void forEachVoxel(const OcTreeCube& cube, F&& f) {
 template <class F>
 void forEachOccupiedVoxel(const octomap::OcTree& tree, size_t max_voxels, F&& f) {
   size_t count = 0;
+  float last = 0, probability = 0.5F;  // neighbours are often as sure as each other
   forEachLeaf(tree, [&](const OcTreeCube& cube, const octomap::OcTreeNode& node) {
     if (!tree.isNodeOccupied(node)) return;
     const uint64_t volume = uint64_t{1} << (3 * (OcTreeCube::kMaxDepth - cube.depth));
@@ -70,7 +71,10 @@ void forEachOccupiedVoxel(const octomap::OcTree& tree, size_t max_voxels, F&& f)
       throw std::length_error("the map has more than " + std::to_string(max_voxels) +
                               " occupied voxels");
     count += volume;
-    const auto probability = static_cast<float>(node.getOccupancy());
+    if (node.getLogOdds() != last) {
+      last = node.getLogOdds();
+      probability = static_cast<float>(node.getOccupancy());
+    }
     forEachVoxel(cube, [&](const octomap::OcTreeKey& key) { f(key, probability); });
   });
 }
