@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -120,6 +121,12 @@ void writeNode(const octomap::OcTree& tree, const octomap::OcTreeNode* node, std
 
 std::string systemError(const std::string& what) { return what + ": " + std::strerror(errno); }
 
+void appendNodes(const octomap::OcTree& tree, std::string& out) {
+  if (!tree.getRoot()) return;
+  out.reserve(out.size() + tree.size() * 5);
+  writeNode(tree, tree.getRoot(), out);
+}
+
 }  // namespace
 
 bool isOcTreeFile(std::string_view bytes) {
@@ -158,9 +165,7 @@ std::unique_ptr<octomap::OcTree> parseOcTreeFile(std::string_view bytes) {
 
 std::string serializeNodes(const octomap::OcTree& tree) {
   std::string out;
-  if (!tree.getRoot()) return out;
-  out.reserve(tree.size() * 5);
-  writeNode(tree, tree.getRoot(), out);
+  appendNodes(tree, out);
   return out;
 }
 
@@ -171,7 +176,9 @@ std::string toOtFile(const octomap::OcTree& tree) {
   header << kOtMagic
          << "\n# (feel free to add / change comments, but leave the first line as it is!)"
          << "\n#\nid OcTree\nsize " << tree.size() << "\nres " << resolution << "\ndata\n";
-  return header.str() + serializeNodes(tree);
+  std::string out = header.str();
+  appendNodes(tree, out);
+  return out;
 }
 
 std::string toBtFile(const octomap::OcTree& tree) {
@@ -188,7 +195,11 @@ std::string readFileBytes(const std::string& path) {
   if (S_ISDIR(st.st_mode)) throw std::runtime_error("is a directory, not a file");
   std::ifstream f(path, std::ios::binary);
   if (!f) throw std::runtime_error(systemError("cannot be opened"));
-  std::string bytes{std::istreambuf_iterator<char>(f), std::istreambuf_iterator<char>()};
+  std::string bytes;
+  bytes.reserve(static_cast<size_t>(st.st_size));  // of a pipe 0
+  std::array<char, 1U << 16U> block;
+  while (f.read(block.data(), block.size()), f.gcount() > 0)
+    bytes.append(block.data(), static_cast<size_t>(f.gcount()));
   if (f.bad()) throw std::runtime_error(systemError("cannot be read"));
   if (bytes.empty()) throw std::runtime_error("is empty");
   return bytes;
