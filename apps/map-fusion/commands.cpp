@@ -31,8 +31,11 @@ namespace {
 
 constexpr const char* kMatchingSection = "ProbabilisticMapMatching";
 
+/** \exception std::runtime_error "<path>: <reason>" if nothing can be read from it. */
 bool isOcTree(const std::string& path) {
-  return mrpt::maps::isOcTreeFile(mrpt::maps::beginningOf(path));
+  const std::string beginning = mrpt::maps::beginningOf(path);
+  if (beginning.empty()) mrpt::maps::withPath(path, [&] { mrpt::maps::readFileBytes(path); });
+  return mrpt::maps::isOcTreeFile(beginning);
 }
 
 /** What map a file of any kind holds. \exception std::runtime_error "<path>: <reason>". */

@@ -23,6 +23,10 @@ TEST_F(InstalledApp, WithoutItsModuleStillFusesOctreesAndSaysWhatIsMissingForThe
   EXPECT_EQ(fused.code, 0) << fused.err;
   EXPECT_TRUE(fs::exists(dir_ / "f.ot"));
 
+  const auto none = run(app + "info none.ot");
+  EXPECT_EQ(none.code, 1);
+  EXPECT_NE(none.err.find("none.ot: cannot be opened"), std::string::npos) << none.err;
+
   const auto info = run(app + "info " + pair("robot_a.rawlog"));
   EXPECT_EQ(info.code, 1);
   EXPECT_EQ(std::count(info.err.begin(), info.err.end(), '\n'), 1) << info.err;
