@@ -31,16 +31,14 @@ namespace {
 
 constexpr const char* kMatchingSection = "ProbabilisticMapMatching";
 
-/** \exception std::runtime_error "<path>: <reason>" if nothing can be read from it. */
 bool isOcTree(const std::string& path) {
-  const std::string beginning = mrpt::maps::beginningOf(path);
-  if (beginning.empty()) mrpt::maps::withPath(path, [&] { mrpt::maps::readFileBytes(path); });
-  return mrpt::maps::isOcTreeFile(beginning);
+  return mrpt::maps::withPath(
+      path, [&] { return mrpt::maps::isOcTreeFile(mrpt::maps::beginningOf(path)); });
 }
 
 /** What map a file of any kind holds. \exception std::runtime_error "<path>: <reason>". */
-LoadedMap loadAnyMap(const std::string& path, const MapDefinition& definition) {
-  if (!isOcTree(path)) return mrptMaps().load(path, definition);
+LoadedMap loadAnyMap(const std::string& path, const mrpt::maps::BuildParams& params) {
+  if (!isOcTree(path)) return mrptMaps().load(path, params);
   return mrpt::maps::withPath(path, [&]() -> LoadedMap {
     return {mrpt::maps::parseOcTreeFile(mrpt::maps::readFileBytes(path)), nullptr, nullptr};
   });
@@ -52,12 +50,12 @@ std::vector<Robot> loadMission(const std::string& path) {
 }
 
 /** As `.ot` or `.bt` by extension, else as MRPT serializes it. */
-void saveMap(const octomap::OcTree& map, const std::string& path) {
+void saveMap(const std::shared_ptr<const octomap::OcTree>& map, const std::string& path) {
   const std::string extension = std::filesystem::path(path).extension();
   if (extension == ".ot" || extension == ".bt")
-    mrpt::maps::saveOcTree(map, path);
+    mrpt::maps::saveOcTree(*map, path);
   else
-    mrptMaps().save(map, path);
+    mrptMaps().save({map, nullptr, nullptr}, path);
 }
 
 /** What robots are called whose maps are in files of their own: as the files are, and where several
@@ -150,13 +148,13 @@ class Run {
   }
 
   int edges() {
-    const EdgeVoxels edges = edgesOf(load("map", args_.maps[0]));
-    report_.edges = edges.size();
+    const auto edges = std::make_shared<const EdgeVoxels>(edgesOf(load("map", args_.maps[0])));
+    report_.edges = edges->size();
     step("edges");
     if (std::filesystem::path(args_.output).extension() == ".ply")
-      mrpt::maps::writeFileAtomically(args_.output, toPly(edges));
+      mrpt::maps::writeFileAtomically(args_.output, toPly(*edges));
     else
-      mrptMaps().save(edges, args_.output);
+      mrptMaps().save({nullptr, edges, nullptr}, args_.output);
     step("save");
     return finish(true);
   }
@@ -165,19 +163,21 @@ class Run {
     const CPose3D pose = parsePose(args_.pose);
     const LoadedMap map = load("map", args_.maps[0]);
     const double resolution = args_.resolution > 0 ? args_.resolution : map.octree->getResolution();
-    const auto moved =
+    const std::shared_ptr<const octomap::OcTree> moved =
         mrpt::maps::transformOcTree(*map.octree, mrpt::fusion::toEigen(pose), resolution);
     step("transform");
-    saveMap(*moved, args_.output);
+    saveMap(moved, args_.output);
     step("save");
     report_.maps.push_back(reportOn("transformed", args_.output, *moved));
     return finish(true);
   }
 
   int build() {
-    const auto built = mrptMaps().build(args_.maps[0], mapDefinition(), args_.output);
+    const auto built = mrptMaps().build(args_.maps[0], buildParams());
     progress_.clear();
     step("build");
+    mrptMaps().save(built.map, args_.output);
+    step("save");
     report_.observations = {built.inserted, built.ignored};
     if (built.map.octree) report_.maps.push_back(reportOn("map", args_.output, *built.map.octree));
     return finish(true);
@@ -212,19 +212,19 @@ class Run {
     if (has_matching) options_.loadFromConfigFile(*config_, kMatchingSection);
   }
 
-  MapDefinition mapDefinition() {
-    MapDefinition definition;
-    if (config_ && config_->sectionExists(args_.section)) definition.config = config_.get();
-    definition.section = args_.section;
-    definition.progress = [this](size_t n) {
+  mrpt::maps::BuildParams buildParams() {
+    mrpt::maps::BuildParams params;
+    if (config_ && config_->sectionExists(args_.section)) params.config = config_.get();
+    params.section = args_.section;
+    params.progress = [this](size_t n) {
       progress_.show("building: " + std::to_string(n) + " observations");
     };
-    return definition;
+    return params;
   }
 
   LoadedMap load(const std::string& role, const std::string& path) {
     progress_.show("loading " + path);
-    LoadedMap map = loadAnyMap(path, mapDefinition());
+    LoadedMap map = loadAnyMap(path, buildParams());
     progress_.clear();
     report_.maps.push_back(reportOn(role, path, *map.octree));
     if (args_.command != "info" && report_.maps.back().statistics.occupied == 0)
@@ -348,7 +348,7 @@ class Run {
   }
 
   void saveFused() {
-    saveMap(*fused_, args_.output);
+    saveMap(fused_, args_.output);
     step("save");
     report_.maps.push_back(reportOn("fused", args_.output, *fused_));
   }
@@ -364,14 +364,14 @@ class Run {
     const EdgeVoxels edges_a = a_.edges ? *a_.edges : edgesOf(a_);
     const EdgeVoxels edges_b = b_.edges ? *b_.edges : edgesOf(b_);
     const mrpt::fusion::Pairs none;
-    const SceneView view{a_,
-                         b_,
-                         report_.pose->mean,
-                         report_.match ? report_.match->match.pairs : none,
-                         edges_a,
-                         edges_b,
-                         options_.evaluation.inlier_mahalanobis,
-                         fused_.get()};
+    const mrpt::fusion::FusionView view{*a_.octree,
+                                        *b_.octree,
+                                        report_.pose->mean,
+                                        report_.match ? report_.match->match.pairs : none,
+                                        edges_a,
+                                        edges_b,
+                                        options_.evaluation.inlier_mahalanobis,
+                                        fused_.get()};
     mrptMaps().drawScene(view, args_.scene);
     progress_.clear();
     step("scene");
@@ -414,7 +414,7 @@ class Run {
   mrpt::fusion::OnIteration on_iteration_;
   mrpt::system::CTicTac clock_;
   LoadedMap a_, b_;
-  std::unique_ptr<octomap::OcTree> fused_;
+  std::shared_ptr<const octomap::OcTree> fused_;
   Report report_;
 };
 

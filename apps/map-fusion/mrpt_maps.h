@@ -2,9 +2,10 @@
 #pragma once
 
 #include <mrpt/fusion/alignment.h>
+#include <mrpt/fusion/fusion_view.h>
 #include <mrpt/fusion/poses.h>
+#include <mrpt/maps/build_params.h>
 
-#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -39,27 +40,10 @@ struct Robot {
   std::shared_ptr<const mrpt::obs::CObservationLocalMap> sent;     ///< if it is from a mission
 };
 
-/** How to make a map of a recording: see mrpt::maps::BuildParams. */
-struct MapDefinition {
-  const mrpt::config::CConfigFileBase* config = nullptr;
-  std::string section;
-  std::function<void(size_t)> progress;
-};
-
 /** What was built of a recording. */
-struct BuiltFile {
+struct BuiltMap {
   LoadedMap map;  ///< without an octree, if it is of another kind
   size_t inserted, ignored;
-};
-
-/** What of a run's fusion is drawn: see mrpt::slam::FusionView. */
-struct SceneView {
-  const LoadedMap &a, &b;
-  mrpt::poses::CPose3D pose;
-  const mrpt::fusion::Pairs& pairs;
-  const mrpt::fusion::EdgeVoxels &edges_a, &edges_b;
-  double inlier_mahalanobis;
-  const octomap::OcTree* fused;
 };
 
 /** What of a run needs MRPT's map classes. They bring some 280 libraries, a third of a second and
@@ -70,16 +54,16 @@ class MrptMaps {
   virtual ~MrptMaps() = default;
 
   /** A map from a file that is no octree's. */
-  virtual LoadedMap load(const std::string& path, const MapDefinition& definition) const = 0;
+  virtual LoadedMap load(const std::string& path, const mrpt::maps::BuildParams& params) const = 0;
   /** The last map of each robot in a recorded mission; none if the file is something else. */
   virtual std::vector<Robot> loadMission(const std::string& path) const = 0;
   virtual void saveMission(const std::vector<Robot>& robots, const std::string& path) const = 0;
-  /** Makes a map of a recording, and saves it. */
-  virtual BuiltFile build(const std::string& recording, const MapDefinition& definition,
-                          const std::string& path) const = 0;
-  virtual void save(const octomap::OcTree& map, const std::string& path) const = 0;
-  virtual void save(const mrpt::fusion::EdgeVoxels& edges, const std::string& path) const = 0;
-  virtual void drawScene(const SceneView& view, const std::string& path) const = 0;
+  /** Makes a map of a recording. */
+  virtual BuiltMap build(const std::string& recording,
+                         const mrpt::maps::BuildParams& params) const = 0;
+  /** See mrpt::maps::saveMap(). */
+  virtual void save(const LoadedMap& map, const std::string& path) const = 0;
+  virtual void drawScene(const mrpt::fusion::FusionView& view, const std::string& path) const = 0;
   /** See drawTopView(). */
   virtual void drawPicture(const mrpt::fusion::OccupiedVoxels& a,
                            const mrpt::fusion::OccupiedVoxels& b,

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mrpt/fusion/edge_octree.h>
 #include <mrpt/maps/CEdgeVoxelMap.h>
 #include <mrpt/maps/error_text.h>
 #include <mrpt/maps/map_files.h>
@@ -27,27 +26,17 @@ LoadedMap workable(const CMetricMap::Ptr& map) {
   return {{octomap, &octomap->octree()}, nullptr, std::const_pointer_cast<CProbOctoMap>(octomap)};
 }
 
-mrpt::maps::BuildParams paramsOf(const MapDefinition& definition) {
-  return {definition.config, definition.section, definition.progress};
-}
-
-/** What a robot sends: what it had sent, but for a map that is another now. */
-CObservationLocalMap::Ptr observationOf(const Robot& robot) {
-  auto o = robot.sent ? CObservationLocalMap::Create(*robot.sent) : CObservationLocalMap::Create();
-  o->sensorLabel = robot.name;
-  if (robot.map.mrpt)
-    o->map = robot.map.mrpt;
-  else if (robot.map.edges)
-    o->map = std::make_shared<CEdgeVoxelMap>(*robot.map.edges);
-  else
-    o->map = std::make_shared<CProbOctoMap>(*robot.map.octree);
-  return o;
+/** As it was read, or as one of our classes. */
+CMetricMap::Ptr mrptMapOf(const LoadedMap& map) {
+  if (map.mrpt) return map.mrpt;
+  if (map.edges) return std::make_shared<CEdgeVoxelMap>(*map.edges);
+  return std::make_shared<CProbOctoMap>(*map.octree);
 }
 
 class MapsOfModule : public MrptMaps {
  public:
-  LoadedMap load(const std::string& path, const MapDefinition& definition) const override {
-    const CMetricMap::Ptr map = mrpt::maps::loadAnyMap(path, paramsOf(definition));
+  LoadedMap load(const std::string& path, const mrpt::maps::BuildParams& params) const override {
+    const CMetricMap::Ptr map = mrpt::maps::loadAnyMap(path, params);
     return mrpt::maps::withPath(path, [&] { return workable(map); });
   }
 
@@ -68,32 +57,32 @@ class MapsOfModule : public MrptMaps {
 
   void saveMission(const std::vector<Robot>& robots, const std::string& path) const override {
     std::vector<CObservationLocalMap::Ptr> observations;
-    for (const Robot& robot : robots) observations.push_back(observationOf(robot));
+    for (const Robot& robot : robots) {
+      auto o =
+          robot.sent ? CObservationLocalMap::Create(*robot.sent) : CObservationLocalMap::Create();
+      o->sensorLabel = robot.name;
+      o->map = mrptMapOf(robot.map);
+      observations.push_back(o);
+    }
     mrpt::maps::saveLocalMaps(observations, path);
   }
 
-  BuiltFile build(const std::string& recording, const MapDefinition& definition,
-                  const std::string& path) const override {
-    const auto built = mrpt::maps::buildMap(recording, paramsOf(definition));
-    mrpt::maps::saveMap(*built.map, path);
+  BuiltMap build(const std::string& recording,
+                 const mrpt::maps::BuildParams& params) const override {
+    const auto built = mrpt::maps::buildMap(recording, params);
     LoadedMap map;
+    map.mrpt = built.map;
     if (const auto octomap = mrpt::maps::asProbOctoMap(CMetricMap::ConstPtr(built.map)))
       map.octree = {octomap, &octomap->octree()};
     return {map, built.inserted, built.ignored};
   }
 
-  void save(const octomap::OcTree& map, const std::string& path) const override {
-    mrpt::maps::saveMap(CProbOctoMap(map), path);
-  }
-  void save(const mrpt::fusion::EdgeVoxels& edges, const std::string& path) const override {
-    mrpt::maps::saveMap(CEdgeVoxelMap(edges), path);
+  void save(const LoadedMap& map, const std::string& path) const override {
+    mrpt::maps::saveMap(*mrptMapOf(map), path);
   }
 
-  void drawScene(const SceneView& view, const std::string& path) const override {
-    const auto scene =
-        mrpt::slam::drawFusion({*view.a.octree, *view.b.octree, view.pose, view.pairs, view.edges_a,
-                                view.edges_b, view.inlier_mahalanobis, view.fused});
-    mrpt::maps::saveObject(*scene, path);
+  void drawScene(const mrpt::fusion::FusionView& view, const std::string& path) const override {
+    mrpt::maps::saveObject(*mrpt::slam::drawFusion(view), path);
   }
   void drawPicture(const mrpt::fusion::OccupiedVoxels& a, const mrpt::fusion::OccupiedVoxels& b,
                    const std::vector<TopViewPanel>& panels,

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/fusion/evaluation.h>
+#include <mrpt/fusion/poses.h>
 #include <mrpt/maps/CEdgeVoxelMap.h>
 #include <mrpt/slam/fusion_scene.h>
 

@@ -66,10 +66,6 @@ Finding findingAt(const MapVoxels& map, const Eigen::Vector3d& p) {
   return map.map->search(key) ? Finding::Conflicts : Finding::Unknown;
 }
 
-size_t strideFor(size_t voxels, size_t enough) {
-  return enough == 0 ? 1 : std::max<size_t>(1, (voxels + enough - 1) / enough);
-}
-
 FreeSpaceCheck checkFreeSpace(const MapVoxels& model, const OccupiedVoxels& scene,
                               const Eigen::Isometry3d& T_model_scene, size_t stride) {
   std::vector<Finding> findings((scene.size() + stride - 1) / stride);

@@ -46,7 +46,7 @@ struct LevelProblem {
                        const Eigen::Isometry3d& T, double step) const {
     constexpr size_t kEnough = 600;
     constexpr double kNotHeld = 0.1;  // 0.6 and more where anything holds, 0.0x along a corridor
-    const size_t stride = (pairs.size() + kEnough - 1) / kEnough;
+    const size_t stride = strideFor(pairs.size(), kEnough);
     Pairs some;
     for (size_t i = 0; i < pairs.size(); i += stride) some.push_back(pairs[i]);
     const NormalEquations at_rest = linearize(some, T);
@@ -86,7 +86,7 @@ Pairs firstPairs(const LevelProblem& problem, const Eigen::Isometry3d& T, double
                  const Pairs* among = nullptr) {
   constexpr size_t kEnough = 4000;
   const size_t all = among ? among->size() : problem.scene_size;
-  const size_t stride = (all + kEnough - 1) / kEnough;
+  const size_t stride = strideFor(all, kEnough);
   Pairs some;
   for (size_t i = 0; i < all; i += stride)
     some.push_back({0, among ? (*among)[i].scene : static_cast<uint32_t>(i), 0});
@@ -328,7 +328,7 @@ SurfaceVoxels fewOf(const SurfaceVoxels& all, double spacing, size_t enough) {
     return flat_i != flat_j ? flat_i : voxels.probability[i] > voxels.probability[j];
   });
   std::vector<uint32_t> few;
-  const size_t stride = (kept.index.size() + enough - 1) / enough;
+  const size_t stride = strideFor(kept.index.size(), enough);
   for (size_t k = 0; k < kept.index.size(); k += stride) few.push_back(kept.index[k]);
   return {select(voxels, few), select(surfaces, few)};
 }

@@ -210,6 +210,7 @@ std::string beginningOf(const std::string& path) {
   std::string bytes(64, '\0');
   f.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<size_t>(f.gcount()));
+  if (bytes.empty()) readFileBytes(path);  // says why: missing, a directory, empty
   return bytes;
 }
 

@@ -380,7 +380,7 @@ class WallDirections {
 /** Some of the points, in their order. */
 Points someOf(const Points& points, size_t enough) {
   Points some;
-  const size_t stride = (points.size() + enough - 1) / enough;
+  const size_t stride = strideFor(points.size(), enough);
   for (size_t i = 0; i < points.size(); i += stride) some.push_back(points[i]);
   return some;
 }
@@ -652,7 +652,7 @@ std::vector<Eigen::Vector3d> dominantDirections(const Surfaces& surfaces, size_t
   constexpr double kLeast = 0.02;  // of all
   const double alike = std::cos(8 * M_PI / 180), apart = std::cos(20 * M_PI / 180);
   std::vector<Eigen::Vector3d> normals;  // times the square root of their weight
-  const size_t stride = (surfaces.normal.size() + kEnough - 1) / kEnough;
+  const size_t stride = strideFor(surfaces.normal.size(), kEnough);
   for (size_t i = 0; i < surfaces.normal.size(); i += stride)
     if (!surfaces.normal[i].isZero())
       normals.emplace_back(std::sqrt(surfaces.weight[i]) * surfaces.normal[i].cast<double>());

@@ -27,6 +27,10 @@ Eigen::Vector3d meanOf(const std::vector<Eigen::Vector3f>& points) {
   return sum / static_cast<double>(std::max<size_t>(1, points.size()));
 }
 
+size_t strideFor(size_t voxels, size_t enough) {
+  return enough == 0 ? 1 : std::max<size_t>(1, (voxels + enough - 1) / enough);
+}
+
 MapStatistics statisticsOf(const octomap::OcTree& map) {
   MapStatistics s;
   double entropy_occupied = 0, entropy_free = 0;

@@ -307,7 +307,7 @@ std::string gzCompressed(std::string_view bytes) {
 
 /** The first object of a file that is not an octree's. \exception If it cannot be read at all. */
 CSerializable::Ptr firstObject(const std::string& path) {
-  if (beginningOf(path).empty()) readFileBytes(path);  // says why: missing, a directory, empty
+  beginningOf(path);  // says why, if nothing can be read
   return ObjectReader(path).next();
 }
 

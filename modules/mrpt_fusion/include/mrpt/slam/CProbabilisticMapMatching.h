@@ -42,11 +42,12 @@ class CProbabilisticMapMatching : public CMetricMapsAlignmentAlgorithm {
    * \param[in] m1,m2 The maps A and B.
    * \param[in] initialEstimationPDF Its mean is the initial guess (the pose of m2 in m1's
    * frame), and three of its standard deviations bound the search for starts, see
-   * mrpt::fusion::searchWithin(): mrpt::fusion::noGuess() if nothing is known. With a zero
-   * covariance they are those of the options. \param[out] outInfo A TReturnInfo, if wanted. \return
-   * A CPose3DPDFGaussian: the pose, and the covariance of (x, y, z, yaw, pitch, roll) from the
-   * final Hessian. Check TReturnInfo::evaluation before using it. \exception std::exception If a
-   * map is null, of another kind, or has no occupied (edge) voxel.
+   * mrpt::fusion::searchWithin(); mrpt::fusion::noGuess() if nothing is known, zero: as the options
+   * say.
+   * \param[out] outInfo A TReturnInfo, if wanted.
+   * \return A CPose3DPDFGaussian: the pose, and the covariance of (x, y, z, yaw, pitch, roll) from
+   * the final Hessian. Check TReturnInfo::evaluation before using it.
+   * \exception std::exception If a map is null, of another kind, or has no occupied (edge) voxel.
    */
   mrpt::poses::CPose3DPDF::Ptr Align3DPDF(
       const mrpt::maps::CMetricMap* m1, const mrpt::maps::CMetricMap* m2,

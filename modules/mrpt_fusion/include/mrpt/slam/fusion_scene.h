@@ -1,25 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <mrpt/fusion/fusion_view.h>
 #include <mrpt/fusion_compat.h>
-#include <mrpt/slam/CProbabilisticMapMatching.h>
 
 /** \file
  * What a fusion did, to look at. */
 
 namespace mrpt::slam {
 
-/** What to draw; all poses are of map B in A's frame. Nothing is owned. */
-struct FusionView {
-  const octomap::OcTree& a;                 ///< the model map
-  const octomap::OcTree& b;                 ///< the scene map
-  mrpt::poses::CPose3D pose;                ///< of B
-  const mrpt::fusion::Pairs& pairs;         ///< of the occupied voxels, at that pose
-  const mrpt::fusion::EdgeVoxels& edges_a;  ///< in A's frame
-  const mrpt::fusion::EdgeVoxels& edges_b;  ///< in B's frame
-  double inlier_mahalanobis;                ///< see EvaluationParams
-  const octomap::OcTree* fused = nullptr;   ///< if there is one
-};
+using mrpt::fusion::FusionView;
 
 /** A scene of named objects, each to be found by getByName() and switched on and off:
  * "map A" (orange), "map B" (blue, moved to its pose), "edges A" and "edges B", the matched pairs

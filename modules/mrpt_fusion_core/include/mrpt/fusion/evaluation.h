@@ -109,9 +109,6 @@ Finding findingAt(const MapVoxels& map, const Eigen::Vector3d& p);
 /** Of how many voxels of a map the verdict asks by default: shares of so many are known to less
  * than half a percent (one standard deviation). */
 constexpr unsigned kVoxelsOfVerdict = 15000;
-/** To ask about \a enough of a map's voxels, spread evenly over it (not in the paper, which takes
- * all: 0), take every so many-th. */
-size_t strideFor(size_t voxels, size_t enough);
 
 /** Looks occupied voxels of the scene up in the model, one way: every \a stride -th.
  * O(voxels of the scene / stride). */

@@ -47,4 +47,8 @@ MapStatistics statisticsOf(const octomap::OcTree& map);
  * the paper's Table V. 0 at p = 0 and p = 1. */
 double binaryEntropy(double p);
 
+/** To take \a enough of so many voxels, or a few less, spread evenly over them (0: all), take every
+ * so many-th. */
+size_t strideFor(size_t voxels, size_t enough);
+
 }  // namespace mrpt::fusion

@@ -35,7 +35,8 @@ std::string toBtFile(const octomap::OcTree& tree);
  * \exception std::runtime_error As writeFileAtomically(). */
 void saveOcTree(const octomap::OcTree& tree, const std::string& path);
 
-/** The first bytes of a file, to tell its kind by; none if it is missing, a directory, or empty. */
+/** The first bytes of a file, to tell its kind by. \exception std::runtime_error As
+ * readFileBytes(). */
 std::string beginningOf(const std::string& path);
 
 /** The nodes in pre-order, as in the data part of a `.ot` file: log-odds (4 bytes, native float)

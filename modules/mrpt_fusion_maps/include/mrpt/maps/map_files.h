@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <mrpt/config/CConfigFileBase.h>
 #include <mrpt/maps/CProbOctoMap.h>
+#include <mrpt/maps/build_params.h>
 #include <mrpt/obs/CObservationLocalMap.h>
 
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -24,16 +23,6 @@ std::shared_ptr<const CProbOctoMap> asProbOctoMap(const CMetricMap& map);
 /** \overload
  * Keeps \a map alive as long as the result. */
 std::shared_ptr<const CProbOctoMap> asProbOctoMap(const CMetricMap::ConstPtr& map);
-
-/** How to make a map of recorded observations. */
-struct BuildParams {
-  /** Map definition as MRPT's apps read it: `<kind>_count` in \a section and the maps' own sections
-   * beside it; null: one CProbOctoMap with its default options. Not owned. */
-  const mrpt::config::CConfigFileBase* config = nullptr;
-  std::string section = "MappingApplication";  ///< of \a config
-  /** Called with the number of observations inserted so far, if given. */
-  std::function<void(size_t inserted)> progress;
-};
 
 /** What buildMap() made. */
 struct BuiltMap {
