@@ -207,7 +207,7 @@ class SurfaceTracer {
   };
 
   /** TraceVectorAlongSurfaceVoxels: unit vector to where the walk is d_T away. */
-  std::optional<Eigen::Vector2f> trace(Eigen::Vector2f direction) const {
+  std::optional<Eigen::Vector2f> trace(Eigen::Vector2f direction) {
     Spot at{{0, 0, 0}, {0, 0}};
     const int max_steps = 3 * static_cast<int>(distance_);
     for (int step = 0; step < max_steps; step++) {
@@ -221,7 +221,7 @@ class SurfaceTracer {
   }
 
   /** To the voxel nearest to one step ahead, if one of the eight around that place is there. */
-  bool stepAhead(Spot& at, const Eigen::Vector2f& direction) const {
+  bool stepAhead(Spot& at, const Eigen::Vector2f& direction) {
     const Eigen::Vector2f ahead = at.place + direction;
     const Eigen::Vector3f target = ahead.x() * tangent_ + ahead.y() * normal_;
     Offset low;
@@ -256,7 +256,7 @@ class SurfaceTracer {
 
   /** Beside the way, round a corner or across a gap: to the voxel in the slice nearest to one step
    * ahead, among all that a step reaches. */
-  bool stepAcross(Spot& at, const Eigen::Vector2f& direction) const {
+  bool stepAcross(Spot& at, const Eigen::Vector2f& direction) {
     float least = kUnreachable;
     Spot best = at;
     occupied_.forEachAround(at.offset, stepBall(), [&](const Offset& next) {
@@ -279,7 +279,7 @@ class SurfaceTracer {
 
   /** The mean of the slice's voxels about a place: a single one tells the surface to half a voxel
    * only, which is 6 degrees of a walk of five. */
-  Eigen::Vector2f middleOfSurfaceAt(const Spot& at) const {
+  Eigen::Vector2f middleOfSurfaceAt(const Spot& at) {
     constexpr float kRadius2 = 1.6F * 1.6F;
     Eigen::Vector2f sum = Eigen::Vector2f::Zero();
     int n = 0;

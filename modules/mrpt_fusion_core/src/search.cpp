@@ -92,25 +92,29 @@ class ScoreGrid {
   static constexpr int kLanes = 8;
   static int padded(int length) { return (length + kLanes - 1) / kLanes * kLanes; }
 
-  /** Adds the values of \a length cells along x, from one on; what else is added to the row's
-   * padding means nothing. */
-  void addRun(int x, int y, int z, int length, uint16_t* __restrict sums) const {
-    x -= low_[0];
-    y -= low_[1];
-    z -= low_[2];
-    if (y < 0 || y >= size_[1] || z < 0 || z >= size_[2]) return;
-    if (x >= 0 && x + length <= size_[0]) {
-      const uint16_t* __restrict values = &values_[index(x, y, z)];
-      for (int k = 0; k < length; k += kLanes)
-        for (int lane = 0; lane < kLanes; lane++)
-          sums[k + lane] = static_cast<uint16_t>(sums[k + lane] + values[k + lane]);
-      return;
-    }
-    const int first = std::max(0, -x), end = std::min(length, size_[0] - x);
-    if (first >= end) return;
-    const uint16_t* values = &values_[index(x + first, y, z)];
-    sums += first;
-    for (int k = 0; k < end - first; k++) sums[k] = static_cast<uint16_t>(sums[k] + values[k]);
+  /** Adds the values of a box of cells, by rows along x of a padded length, y before z; what is
+   * else added to the rows' padding means nothing. */
+  void addBox(const Cell& low, const Cell& size, uint16_t* __restrict sums) const {
+    const int row_length = padded(size[0]);
+    const int x = low[0] - low_[0], y = low[1] - low_[1], z = low[2] - low_[2];
+    const int first_y = std::max(0, -y), end_y = std::min(size[1], size_[1] - y);
+    const int first_x = std::max(0, -x), end_x = std::min(size[0], size_[0] - x);
+    const bool whole_rows = first_x == 0 && end_x == size[0];
+    if (first_x >= end_x) return;
+    for (int k = std::max(0, -z); k < std::min(size[2], size_[2] - z); k++)
+      for (int j = first_y; j < end_y; j++) {
+        const uint16_t* __restrict values = &values_[index(x + first_x, y + j, z + k)];
+        uint16_t* __restrict row = sums + (k * size[1] + j) * row_length;
+        if (whole_rows) {
+          for (int i = 0; i < row_length; i += kLanes)
+            for (int lane = 0; lane < kLanes; lane++)
+              row[i + lane] = static_cast<uint16_t>(row[i + lane] + values[i + lane]);
+        } else {
+          row += first_x;
+          for (int i = 0; i < end_x - first_x; i++)
+            row[i] = static_cast<uint16_t>(row[i] + values[i]);
+        }
+      }
   }
 
  private:
@@ -243,7 +247,7 @@ float scoreOf(uint32_t confirmed, uint32_t conflicting) {
   return n * share * share;
 }
 
-/** The places of one yaw. */
+/** The places of one yaw, of each x and y the best height: all others are near it. */
 std::vector<Place> scoreWindow(const ScoreGrid& grid, const Lattice& lattice, int yaw,
                                const Points& points, const Window& window) {
   const auto& [low, size] = window;
@@ -259,10 +263,7 @@ std::vector<Place> scoreWindow(const ScoreGrid& grid, const Lattice& lattice, in
     std::fill(some.begin(), some.end(), 0);
     for (size_t i = first; i < std::min(first + ScoreGrid::kMostSummed, points.size()); i++) {
       const Cell c = grid.cellOf(T * points[i].cast<double>());
-      uint16_t* row = some.data();
-      for (int z = 0; z < size[2]; z++)
-        for (int y = 0; y < size[1]; y++, row += row_length)
-          grid.addRun(c[0] + low[0], c[1] + low[1] + y, c[2] + low[2] + z, size[0], row);
+      grid.addBox({c[0] + low[0], c[1] + low[1], c[2] + low[2]}, size, some.data());
     }
     for (size_t k = 0; k < counts.size(); k++) {
       counts[k].occupied += some[k] & 255U;
@@ -270,15 +271,21 @@ std::vector<Place> scoreWindow(const ScoreGrid& grid, const Lattice& lattice, in
     }
   }
 
-  std::vector<Place> places;
-  places.reserve(window.cells());
+  if (window.cells() == 0) return {};
+  constexpr float kWorseThanAny = -1;
+  std::vector<Place> best(static_cast<size_t>(size[0]) * static_cast<size_t>(size[1]),
+                          {kWorseThanAny, yaw, 0, 0, 0});
   const Counts* row = counts.data();
-  for (int z = 0; z < size[2]; z++)
+  for (int z = 0; z < size[2]; z++) {
+    auto column = best.begin();
     for (int y = 0; y < size[1]; y++, row += row_length)
-      for (int x = 0; x < size[0]; x++)
-        places.push_back(
-            {scoreOf(row[x].occupied, row[x].free), yaw, low[0] + x, low[1] + y, low[2] + z});
-  return places;
+      for (int x = 0; x < size[0]; x++, column++) {
+        const Place place{scoreOf(row[x].occupied, row[x].free), yaw, low[0] + x, low[1] + y,
+                          low[2] + z};
+        if (place.isBetterThan(*column)) *column = place;
+      }
+  }
+  return best;
 }
 
 /** The best places, none near a better one, best first. */

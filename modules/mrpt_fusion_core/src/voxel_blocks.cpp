@@ -63,6 +63,7 @@ VoxelBlocks::VoxelBlocks(const std::vector<octomap::OcTreeKey>& keys) {
 }
 
 void VoxelBlocks::linkBlocks() {
+  static const Ball beside(1.8);  // among groups what it is among blocks
   Place group{};
   std::array<const Slot*, 27> groups{};  // it and those around it, x fastest
   for (uint32_t b = 0; b < blocks_.size(); b++) {
@@ -75,23 +76,17 @@ void VoxelBlocks::linkBlocks() {
         for (int dy = -1; dy <= 1; dy++)
           for (int dx = -1; dx <= 1; dx++) *next++ = find(own[0] + dx, own[1] + dy, own[2] + dz);
     }
-    // Of a cell and its two neighbours along an axis: in which group, and which bits of its cell.
-    std::array<std::array<size_t, 3>, 3> in{};
-    std::array<std::array<int, 3>, 3> bits{};
-    for (unsigned axis = 0; axis < 3; axis++)
-      for (int d = -1; d <= 1; d++) {
-        const int at = (blocks_[b].place[axis] & 3) + d;
-        in[axis][static_cast<size_t>(d + 1)] = static_cast<size_t>((at >> 2) + 1);
-        bits[axis][static_cast<size_t>(d + 1)] = spread(at) << axis;
+    blocks_[b].beside.fill(kNone);
+    const auto cell = static_cast<size_t>(cellOf(x, y, z));
+    for (size_t i = beside.part_[cell]; i < beside.part_[cell + 1]; i++) {
+      const Slot* slot = groups[beside.parts_[i].beside];
+      if (!slot) continue;
+      for (uint64_t found = slot->mask & beside.parts_[i].mask; found; found &= found - 1) {
+        const uint32_t other = slot->at(__builtin_ctzll(found));
+        const auto& [ox, oy, oz] = blocks_[other].place;
+        blocks_[b].beside[besideOf(ox - x, oy - y, oz - z)] = other;
       }
-    auto beside = blocks_[b].beside.begin();
-    for (size_t dz = 0; dz < 3; dz++)
-      for (size_t dy = 0; dy < 3; dy++)
-        for (size_t dx = 0; dx < 3; dx++) {
-          const Slot* slot = groups[in[2][dz] * 9 + in[1][dy] * 3 + in[0][dx]];
-          const int cell = bits[2][dz] | bits[1][dy] | bits[0][dx];
-          *beside++ = slot && (slot->mask >> cell & 1U) ? slot->at(cell) : kNone;
-        }
+    }
   }
 }
 
@@ -129,7 +124,7 @@ VoxelBlocks::Ball::Ball(double radius, double beyond)
       for (int by = -reach_; by <= reach_; by++)
         for (int bx = -reach_; bx <= reach_; bx++)
           if (const uint64_t mask = of(cell, bx, by, bz))
-            parts_.push_back({mask, static_cast<size_t>((bz + 1) * 9 + (by + 1) * 3 + bx + 1)});
+            parts_.push_back({mask, besideOf(bx, by, bz)});
     part_[cell + 1] = parts_.size();
   }
 }
@@ -144,22 +139,14 @@ VoxelBlocks::Window::Window(const VoxelBlocks& blocks, int reach)
     : blocks_(blocks),
       reach_((reach + 3) / 4),
       side_(2 * reach_ + 1),
-      masks_(static_cast<size_t>(side_ * side_ * side_), 0) {}
+      seen_(static_cast<size_t>(side_ * side_ * side_)) {}
 
 void VoxelBlocks::Window::moveTo(const Place& place) {
-  for (const size_t i : present_) masks_[i] = 0;
-  present_.clear();
-  const int r = reach_;
-  for (unsigned axis = 0; axis < 3; axis++) at_[axis] = 4 * r + (place[axis] & 3);
-  const Place low{(place[0] >> 2) - r, (place[1] >> 2) - r, (place[2] >> 2) - r};
-  blocks_.forEachBlock(
-      low, {low[0] + 2 * r, low[1] + 2 * r, low[2] + 2 * r}, [&](const Block& block) {
-        const size_t i =
-            index(block.place[0] - low[0], block.place[1] - low[1], block.place[2] - low[2]);
-        masks_[i] = block.mask;
-        present_.push_back(i);
-        return false;
-      });
+  places_++;
+  for (unsigned axis = 0; axis < 3; axis++) {
+    at_[axis] = 4 * reach_ + (place[axis] & 3);
+    low_[axis] = (place[axis] >> 2) - reach_;
+  }
 }
 
 }  // namespace mrpt::fusion

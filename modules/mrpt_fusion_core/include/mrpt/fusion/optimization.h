@@ -115,14 +115,14 @@ Eigen::Isometry3d optimizePose(Eigen::Isometry3d T, const SolverParams& params,
   NormalEquations equations = linearize(T);
   for (unsigned step = 0; step < params.max_steps; step++) {
     const Vector6d xi = solveDamped(equations, lambda);
+    if (xi.head<3>().norm() < params.min_translation && xi.tail<3>().norm() < params.min_rotation)
+      break;
     const Eigen::Isometry3d candidate = perturb(T, xi, equations.centre);
     const NormalEquations next = linearize(candidate);
     if (next.error <= equations.error) {
       T = candidate;
       equations = next;
       lambda *= 0.1;
-      if (xi.head<3>().norm() < params.min_translation && xi.tail<3>().norm() < params.min_rotation)
-        break;
     } else {
       lambda = lambda < 1e-3 ? 1e-3 : 10 * lambda;
       if (lambda > 1e6) break;

@@ -85,7 +85,8 @@ class VoxelBlocks {
   /** True if there is a voxel within the ball around a place. */
   bool anyAround(const Place& place, const Ball& ball) const;
 
-  /** Answers quickly whether voxels near a place are there. Not for several threads. */
+  /** Answers quickly whether voxels near a place are there: it looks up each block around it once,
+   * when first asked for what it holds. Not for several threads. */
   class Window {
    public:
     /** Over \a blocks, which must outlive it; \a reach: how far from the place it sees along each
@@ -94,23 +95,31 @@ class VoxelBlocks {
     /** Looks around another place from now on. */
     void moveTo(const Place& place);
     /** \param[in] offset From the place; within reach along each axis. */
-    bool has(const Offset& offset) const {
+    bool has(const Offset& offset) {
       const int x = at_[0] + offset[0], y = at_[1] + offset[1], z = at_[2] + offset[2];
-      return masks_[index(x >> 2, y >> 2, z >> 2)] >> cellOf(x, y, z) & 1U;
+      return maskOf(x >> 2, y >> 2, z >> 2) >> cellOf(x, y, z) & 1U;
     }
     /** Calls `f(offset)` for each voxel within the ball around an offset that it sees all of. */
     template <class F>
-    void forEachAround(const Offset& offset, const Ball& ball, F&& f) const;
+    void forEachAround(const Offset& offset, const Ball& ball, F&& f);
 
    private:
-    size_t index(int x, int y, int z) const {
-      return static_cast<size_t>((z * side_ + y) * side_ + x);
+    struct Seen {
+      uint64_t mask = 0;
+      uint32_t from = 0;  // the place that it was looked up from, of all places
+    };
+    /** Of a block, counted from the lowest one. */
+    uint64_t maskOf(int x, int y, int z) {
+      Seen& seen = seen_[static_cast<size_t>((z * side_ + y) * side_ + x)];
+      if (seen.from != places_)
+        seen = {blocks_.maskAt(low_[0] + x, low_[1] + y, low_[2] + z), places_};
+      return seen.mask;
     }
     const VoxelBlocks& blocks_;
-    int reach_, side_;             // blocks: on each side of the place's own, and in all
-    Place at_{};                   // from the lowest cell of the lowest block
-    std::vector<uint64_t> masks_;  // of the blocks, x fastest
-    std::vector<size_t> present_;
+    int reach_, side_;        // blocks: on each side of the place's own, and in all
+    Place at_{}, low_{};      // from the lowest cell of the lowest block; and that block
+    uint32_t places_ = 0;     // so far
+    std::vector<Seen> seen_;  // of the blocks, x fastest
   };
 
  private:
@@ -128,6 +137,10 @@ class VoxelBlocks {
     Place place{};                      // its key, in blocks
     std::array<uint32_t, 27> beside{};  // those around it, x fastest, or kNone
   };
+  /** The index of one of those around a block, by its offset. */
+  static constexpr size_t besideOf(int x, int y, int z) {
+    return static_cast<size_t>((z + 1) * 9 + (y + 1) * 3 + x + 1);
+  }
   struct Slot : Cells {  // a group, of blocks_
     uint64_t key = 0;
   };
@@ -160,6 +173,11 @@ class VoxelBlocks {
     const Slot* group = find(x >> 2, y >> 2, z >> 2);
     const int cell = cellOf(x, y, z);
     return group && (group->mask >> cell & 1U) ? group->at(cell) : kNone;
+  }
+  /** Of the block at a place (blocks). */
+  uint64_t maskAt(int x, int y, int z) const {
+    const uint32_t block = blockAt(x, y, z);
+    return block == kNone ? 0 : blocks_[block].mask;
   }
   /** Calls `f(block)` for the blocks from one place to another (blocks), both included, until f
    * returns true. */
@@ -241,16 +259,16 @@ void VoxelBlocks::forEachBlockAround(const Place& place, const Ball& ball, F&& f
 }
 
 template <class F>
-void VoxelBlocks::Window::forEachAround(const Offset& offset, const Ball& ball, F&& f) const {
+void VoxelBlocks::Window::forEachAround(const Offset& offset, const Ball& ball, F&& f) {
   const int x = at_[0] + offset[0], y = at_[1] + offset[1], z = at_[2] + offset[2];
   const auto cell = static_cast<size_t>(cellOf(x, y, z));
   const int r = ball.radius_;
   for (int bz = (z - r) >> 2; bz <= (z + r) >> 2; bz++)
     for (int by = (y - r) >> 2; by <= (y + r) >> 2; by++)
       for (int bx = (x - r) >> 2; bx <= (x + r) >> 2; bx++) {
-        uint64_t found = masks_[index(bx, by, bz)];
+        uint64_t found = ball.of(cell, bx - (x >> 2), by - (y >> 2), bz - (z >> 2));
         if (!found) continue;
-        found &= ball.of(cell, bx - (x >> 2), by - (y >> 2), bz - (z >> 2));
+        found &= maskOf(bx, by, bz);
         for (; found; found &= found - 1) {
           const int other = __builtin_ctzll(found);
           f(Offset{4 * bx + xOf(other) - at_[0], 4 * by + yOf(other) - at_[1],

@@ -29,13 +29,18 @@ inline uint32_t everyThirdBit(uint64_t i) {
   return bits;
 }
 
+/** \param[in] node Has children. Most nodes are leaves: one costs a look, not a call. */
 template <class F>
 void forEachLeafBelow(const octomap::OcTree& tree, const octomap::OcTreeNode& node,
                       const OcTreeCube& cube, F&& f) {
-  if (!tree.nodeHasChildren(&node)) return f(cube, node);
-  for (unsigned i = 0; i < 8; i++)
-    if (tree.nodeChildExists(&node, i))
-      forEachLeafBelow(tree, *tree.getNodeChild(&node, i), cube.child(i), f);
+  for (unsigned i = 0; i < 8; i++) {
+    if (!tree.nodeChildExists(&node, i)) continue;
+    const octomap::OcTreeNode& child = *tree.getNodeChild(&node, i);
+    if (tree.nodeHasChildren(&child))
+      forEachLeafBelow(tree, child, cube.child(i), f);
+    else
+      f(cube.child(i), child);
+  }
 }
 
 }  // namespace detail
@@ -43,7 +48,12 @@ void forEachLeafBelow(const octomap::OcTree& tree, const octomap::OcTreeNode& no
 /** Calls `f(const OcTreeCube&, const OcTreeNode&)` for each leaf, in the order of the octree. */
 template <class F>
 void forEachLeaf(const octomap::OcTree& tree, F&& f) {
-  if (tree.getRoot()) detail::forEachLeafBelow(tree, *tree.getRoot(), {}, f);
+  const octomap::OcTreeNode* root = tree.getRoot();
+  if (!root) return;
+  if (tree.nodeHasChildren(root))
+    detail::forEachLeafBelow(tree, *root, {}, f);
+  else
+    f(OcTreeCube{}, *root);
 }
 
 /** Calls `f(const OcTreeKey&)` for each finest voxel of a cube, in the order of the octree. */
