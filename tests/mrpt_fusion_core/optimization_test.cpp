@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 #include <mrpt/fusion/optimization.h>
-#include <mrpt/math/wrap2pi.h>
 #include <mrpt/fusion/poses.h>
+#include <mrpt/math/wrap2pi.h>
 
 #include <Eigen/Eigenvalues>
 #include <functional>
@@ -69,10 +69,16 @@ class Optimization : public testing::Test {
     return linearizeEdges(model_edges, scene_edges, pairs, T, kind);
   }
   Eigen::Isometry3d optimizeVoxels(const Eigen::Isometry3d& T, SolverParams params = {}) const {
-    return optimizePose(T, params, [&](const auto& candidate) { return voxelsAt(candidate); });
+    return optimizePose(
+        T, params, [&](const auto& at) { return voxelsAt(at); },
+        [&](const auto& at) { return voxelError(model, scene, pairs, at); });
   }
   Eigen::Isometry3d optimizeEdges(const Eigen::Isometry3d& T, SolverParams params = {}) const {
-    return optimizePose(T, params, [&](const auto& candidate) { return edgesAt(candidate); });
+    return optimizePose(
+        T, params, [&](const auto& at) { return edgesAt(at); },
+        [&](const auto& at) {
+          return edgeError(model_edges, scene_edges, pairs, at, VoxelCovariance::Quantisation);
+        });
   }
 
   std::mt19937 random{11};
@@ -258,6 +264,22 @@ TEST_F(Optimization, SurfaceErrorIsWeightedByTheInverseOfBothCovariances) {
   }
 }
 
+TEST_F(Optimization, ErrorAloneIsThatOfTheEquations) {
+  addPairs(5000, 0.2);  // more than are added up at once
+  const Surfaces of_model = surfacesOf(model, model_normals),
+                 of_scene = surfacesOf(scene, scene_normals);
+  for (const Eigen::Isometry3d& at : {T_a_b, Eigen::Isometry3d::Identity()}) {
+    const double voxels = voxelsAt(at).error, edges = edgesAt(at).error,
+                 surfaces = surfacesAt(at).error;
+    EXPECT_NEAR(voxelError(model, scene, pairs, at), voxels, 1e-12 * voxels);
+    EXPECT_NEAR(edgeError(model_edges, scene_edges, pairs, at, VoxelCovariance::Quantisation),
+                edges, 1e-12 * edges);
+    EXPECT_NEAR(surfaceError(model, of_model, scene, of_scene, pairs, at, 0.05), surfaces,
+                1e-12 * surfaces);
+  }
+  EXPECT_EQ(voxelError(model, scene, {}, T_a_b), 0);
+}
+
 TEST_F(Optimization, SurfacesSlideAlongEachOther) {
   // Pairs on one floor, the model's 0.2 m above the scene's and 1 m aside.
   T_a_b.setIdentity();
@@ -267,7 +289,8 @@ TEST_F(Optimization, SurfacesSlideAlongEachOther) {
   SolverParams one_step;
   one_step.max_steps = 1;
   const Eigen::Isometry3d found = optimizePose(
-      T_a_b, one_step, [&](const auto& candidate) { return surfacesAt(candidate, 1e-4); });
+      T_a_b, one_step, [&](const auto& at) { return surfacesAt(at, 1e-4); },
+      [&](const auto& at) { return surfacesAt(at, 1e-4).error; });
   EXPECT_NEAR(found.translation().z(), 0.2, 1e-3);
   EXPECT_LE(surfacesAt(found, 1e-4).error, 1e-2 * surfacesAt(T_a_b, 1e-4).error);
 }

@@ -23,6 +23,7 @@ struct LevelProblem {
       associate;
   std::function<DescriptorWeights(double mse)> weights;
   std::function<NormalEquations(const Pairs&, const Eigen::Isometry3d&)> linearize;
+  std::function<double(const Pairs&, const Eigen::Isometry3d&)> error;
   /** At a pose, about a centre. */
   std::function<GradientScatter(const Pairs&, const Eigen::Isometry3d&, const Eigen::Vector3d&)>
       scatter;
@@ -108,7 +109,8 @@ Pairs runLevel(const LevelProblem& problem, const LevelParams& level, double lea
     const double mse = meanSquaredError(pairs);
     const Eigen::Isometry3d T = optimizePose(
         result.T_a_b, params.solver,
-        [&](const Eigen::Isometry3d& candidate) { return problem.linearize(pairs, candidate); });
+        [&](const Eigen::Isometry3d& at) { return problem.linearize(pairs, at); },
+        [&](const Eigen::Isometry3d& at) { return problem.error(pairs, at); });
     const Eigen::Isometry3d step = T * result.T_a_b.inverse();
     // The step of the scene itself: a rotation about a far origin is not a translation.
     const Eigen::Vector3d place = result.T_a_b * problem.middle;
@@ -151,6 +153,9 @@ void matchEdges(const MapFeatures& a, const MapFeatures& b, const MatchParams& p
   problem.linearize = [&](const Pairs& pairs, const auto& T) {
     return linearizeEdges(a.edges, b.edges, pairs, T, params.voxel_covariance);
   };
+  problem.error = [&](const Pairs& pairs, const auto& T) {
+    return edgeError(a.edges, b.edges, pairs, T, params.voxel_covariance);
+  };
   runLevel(problem, params.edge_level, 0, params, result, on_iteration);
 }
 
@@ -180,6 +185,12 @@ LevelProblem voxelLevel(const SurfaceVoxels& a, const SurfaceVoxels& b, double H
                ? linearizeVoxels(a.voxels, b.voxels, pairs, T)
                : linearizeSurfaces(a.voxels, a.surfaces, b.voxels, b.surfaces, pairs, T,
                                    params.flatness);
+  };
+  level.error = [&](const Pairs& pairs, const auto& T) {
+    return params.voxel_metric == VoxelMetric::Point
+               ? voxelError(a.voxels, b.voxels, pairs, T)
+               : surfaceError(a.voxels, a.surfaces, b.voxels, b.surfaces, pairs, T,
+                              params.flatness);
   };
   // What is left of both grids' quantisation with surfaces' points in place of the voxels' middles.
   constexpr double kLeft = 1.0 / 3;

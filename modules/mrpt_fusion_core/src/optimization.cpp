@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -20,11 +21,42 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
   return m;
 }
 
-/** Adds up the terms of pairs; \a term gives e = m - T s and W of one.
- * Moving by xi takes e to e - J xi with J = [I, -[r]x] at r = T s - c. */
-template <class Term>
+/** The sums over parts of the pairs: what is added up when does not hang on the threads. */
+template <class Sums, class Add>
+std::vector<Sums> sumsOfParts(const Pairs& pairs, Add&& add) {
+  constexpr size_t kPairs = 2000;  // of a part
+  std::vector<Sums> parts((pairs.size() + kPairs - 1) / kPairs);
+  forEachIndex(parts.size(), 1, [&](size_t part) {
+    Sums sums{};
+    for (size_t i = part * kPairs; i < std::min(pairs.size(), (part + 1) * kPairs); i++)
+      add(sums, pairs[i]);
+    parts[part] = sums;
+  });
+  return parts;
+}
+
+/** A pair's e = m - T s and its weight, a matrix or what has a matrix() and a squaredLength(e). */
+template <class Weight>
+struct Term {
+  Eigen::Vector3d e;
+  Weight W;
+};
+const Eigen::Matrix3d& matrixOf(const Eigen::Matrix3d& W) { return W; }
+template <class Weight>
+Eigen::Matrix3d matrixOf(const Weight& W) {
+  return W.matrix();
+}
+double squaredLength(const Eigen::Vector3d& e, const Eigen::Matrix3d& W) { return e.dot(W * e); }
+template <class Weight>
+double squaredLength(const Eigen::Vector3d& e, const Weight& W) {
+  return W.squaredLength(e);
+}
+
+/** Adds up the terms of pairs, each given by \a term at q = T s.
+ * Moving by xi takes e to e - J xi with J = [I, -[r]x] at r = q - c. */
+template <class TermOf>
 NormalEquations sumOf(const std::vector<Eigen::Vector3f>& scene, const Pairs& pairs,
-                      const Eigen::Isometry3d& T, Term&& term) {
+                      const Eigen::Isometry3d& T, TermOf&& term) {
   NormalEquations n;
   if (pairs.empty()) return n;
   for (const Pair& p : pairs) n.centre += scene[p.scene].cast<double>();
@@ -34,25 +66,20 @@ NormalEquations sumOf(const std::vector<Eigen::Vector3f>& scene, const Pairs& pa
     Vector6d g = Vector6d::Zero();
     double error = 0;
   };
-  constexpr size_t kPairs = 2000;  // of a part: what is added up when does not hang on the threads
-  std::vector<Sums> parts((pairs.size() + kPairs - 1) / kPairs);
-  forEachIndex(parts.size(), 1, [&](size_t part) {
-    Sums sums;
-    for (size_t i = part * kPairs; i < std::min(pairs.size(), (part + 1) * kPairs); i++) {
-      const Eigen::Vector3d q = T * scene[pairs[i].scene].cast<double>();
-      const auto [e, W] = term(pairs[i], q);
-      const Eigen::Vector3d r = q - n.centre, We = W * e;
-      Eigen::Matrix3d rW, rWr;  // [r]x W, and ([r]x W) [r]x' by its rows
-      for (int k = 0; k < 3; k++) rW.col(k) = r.cross(W.col(k));
-      for (int k = 0; k < 3; k++) rWr.col(k) = r.cross(rW.row(k).transpose());
-      sums.tt += W;
-      sums.rt += rW;
-      sums.rr += rWr;
-      sums.g.template head<3>() += We;
-      sums.g.template tail<3>() += r.cross(We);  // (-[r]x)' = [r]x
-      sums.error += e.dot(We);
-    }
-    parts[part] = sums;
+  const auto parts = sumsOfParts<Sums>(pairs, [&](Sums& sums, const Pair& p) {
+    const Eigen::Vector3d q = T * scene[p.scene].cast<double>();
+    const auto [e, weight] = term(p, q);
+    const Eigen::Matrix3d W = matrixOf(weight);
+    const Eigen::Vector3d r = q - n.centre, We = W * e;
+    Eigen::Matrix3d rW, rWr;  // [r]x W, and ([r]x W) [r]x' by its rows
+    for (int k = 0; k < 3; k++) rW.col(k) = r.cross(W.col(k));
+    for (int k = 0; k < 3; k++) rWr.col(k) = r.cross(rW.row(k).transpose());
+    sums.tt += W;
+    sums.rt += rW;
+    sums.rr += rWr;
+    sums.g.template head<3>() += We;
+    sums.g.template tail<3>() += r.cross(We);  // (-[r]x)' = [r]x
+    sums.error += e.dot(We);
   });
   for (const Sums& sums : parts) {
     Matrix6d H;
@@ -64,7 +91,16 @@ NormalEquations sumOf(const std::vector<Eigen::Vector3f>& scene, const Pairs& pa
   return n;
 }
 
-using Term = std::pair<Eigen::Vector3d, Eigen::Matrix3d>;
+/** The error alone. */
+template <class TermOf>
+double errorOf(const std::vector<Eigen::Vector3f>& scene, const Pairs& pairs,
+               const Eigen::Isometry3d& T, TermOf&& term) {
+  const auto parts = sumsOfParts<double>(pairs, [&](double& sum, const Pair& p) {
+    const auto [e, W] = term(p, T * scene[p.scene].cast<double>());
+    sum += squaredLength(e, W);
+  });
+  return std::accumulate(parts.begin(), parts.end(), 0.0);
+}
 
 /** The scatter of the gradients of patches, the scene's cubes of a side, see GradientScatter. */
 template <class TermOf>
@@ -75,7 +111,7 @@ GradientScatter scatterOf(const std::vector<Eigen::Vector3f>& scene, const Pairs
   for (const Pair& p : pairs) {
     const Eigen::Vector3d s = scene[p.scene].cast<double>(), q = T * s;
     const auto [e, W] = term(p, q);
-    const Eigen::Vector3d We = W * e;
+    const Eigen::Vector3d We = matrixOf(W) * e;
     const auto part = [side](double x) { return static_cast<int>(std::floor(x / side)); };
     const auto found =
         patches.try_emplace({part(s.x()), part(s.y()), part(s.z())}, Vector6d::Zero());
@@ -91,26 +127,45 @@ GradientScatter scatterOf(const std::vector<Eigen::Vector3f>& scene, const Pairs
 
 /** Eq. (22)'s weight of a pair. */
 double occupancyFactor(const OccupiedVoxels& model, const OccupiedVoxels& scene, const Pair& p) {
-  return 1 / (1 / static_cast<double>(model.probability[p.model]) +
-              1 / static_cast<double>(scene.probability[p.scene]));
+  const auto p_m = static_cast<double>(model.probability[p.model]),
+             p_s = static_cast<double>(scene.probability[p.scene]);
+  return p_m * p_s / (p_m + p_s);  // with a division less
 }
 
-/** (C_m + C_s)^-1 of two surfaces, C = I - (1 - flatness) n n' with n a unit vector or zero.
+/** A factor times (C_m + C_s)^-1 of two surfaces, C = I - (1 - flatness) n n' with n a unit vector
+ * or zero.
  *
  * In closed form: with k = 1 - flatness and c = n_m . n_s, the sum has the eigenvectors n_m + n_s,
  * n_m - n_s and what is normal to both, and the eigenvalues 2 - k (1 + c), 2 - k (1 - c) and 2. */
-Eigen::Matrix3d surfaceWeight(const Eigen::Vector3d& n_m, const Eigen::Vector3d& n_s,
-                              double flatness) {
-  const double k = 1 - flatness, c = n_m.dot(n_s);
-  const Eigen::Vector3d sum = n_m + n_s, difference = n_m - n_s;
-  return 0.5 * Eigen::Matrix3d::Identity() + (k / (4 * (2 - k * (1 + c))) * sum) * sum.transpose() +
-         (k / (4 * (2 - k * (1 - c))) * difference) * difference.transpose();
-}
+class SurfaceWeight {
+ public:
+  SurfaceWeight(const Eigen::Vector3d& n_m, const Eigen::Vector3d& n_s, double flatness,
+                double factor)
+      : n_m_(n_m), n_s_(n_s), of_all_(0.5 * factor) {
+    const double k = 1 - flatness, c = n_m.dot(n_s);
+    const double by_sum = 2 - k * (1 + c), by_difference = 2 - k * (1 - c);
+    const double common = 0.25 * k * factor / (by_sum * by_difference);
+    of_sum_ = common * by_difference;
+    of_difference_ = common * by_sum;
+  }
+  Eigen::Matrix3d matrix() const {
+    const Eigen::Vector3d sum = n_m_ + n_s_, difference = n_m_ - n_s_;
+    return of_all_ * Eigen::Matrix3d::Identity() + (of_sum_ * sum) * sum.transpose() +
+           (of_difference_ * difference) * difference.transpose();
+  }
+  double squaredLength(const Eigen::Vector3d& e) const {
+    const double m = n_m_.dot(e), s = n_s_.dot(e);
+    return of_all_ * e.squaredNorm() + of_sum_ * (m + s) * (m + s) +
+           of_difference_ * (m - s) * (m - s);
+  }
 
-}  // namespace
+ private:
+  Eigen::Vector3d n_m_, n_s_;
+  double of_all_, of_sum_, of_difference_;
+};
 
-NormalEquations linearizeEdges(const EdgeVoxels& model, const EdgeVoxels& scene, const Pairs& pairs,
-                               const Eigen::Isometry3d& T_a_b, VoxelCovariance kind) {
+auto edgeTerm(const EdgeVoxels& model, const EdgeVoxels& scene, const Eigen::Isometry3d& T_a_b,
+              VoxelCovariance kind) {
   const auto fused = [kind](const EdgeVoxels& edges, uint32_t i) {
     // Across a perfect line the neighbours do not spread, but each sits somewhere in its voxel.
     const double within_voxel = edges.resolution * edges.resolution / 12;
@@ -118,16 +173,14 @@ NormalEquations linearizeEdges(const EdgeVoxels& model, const EdgeVoxels& scene,
                            edges.covariance[i].matrix(within_voxel));
   };
   const Eigen::Matrix3d R = T_a_b.linear();
-  return sumOf(scene.centre, pairs, T_a_b, [&](const Pair& p, const Eigen::Vector3d& q) -> Term {
+  return [&, fused, R](const Pair& p, const Eigen::Vector3d& q) -> Term<Eigen::Matrix3d> {
     return {model.centre[p.model].cast<double>() - q,
             (fused(model, p.model) + R * fused(scene, p.scene) * R.transpose()).inverse()};
-  });
+  };
 }
 
-namespace {
-
 auto voxelTerm(const OccupiedVoxels& model, const OccupiedVoxels& scene) {
-  return [&](const Pair& p, const Eigen::Vector3d& q) -> Term {
+  return [&](const Pair& p, const Eigen::Vector3d& q) -> Term<Eigen::Matrix3d> {
     return {model.centre[p.model].cast<double>() - q,
             occupancyFactor(model, scene, p) * Eigen::Matrix3d::Identity()};
   };
@@ -137,19 +190,35 @@ auto surfaceTerm(const OccupiedVoxels& model, const Surfaces& model_surface,
                  const OccupiedVoxels& scene, const Surfaces& scene_surface,
                  const Eigen::Isometry3d& T_a_b, double flatness) {
   const Eigen::Matrix3d R = T_a_b.linear();
-  return [&, R, flatness](const Pair& p, const Eigen::Vector3d& q) -> Term {
+  return [&, R, flatness](const Pair& p, const Eigen::Vector3d& q) -> Term<SurfaceWeight> {
+    const double weight = static_cast<double>(scene_surface.weight[p.scene]);
     return {model_surface.point[p.model].cast<double>() - q,
-            static_cast<double>(scene_surface.weight[p.scene]) * occupancyFactor(model, scene, p) *
-                surfaceWeight(model_surface.normal[p.model].cast<double>(),
-                              R * scene_surface.normal[p.scene].cast<double>(), flatness)};
+            {model_surface.normal[p.model].cast<double>(),
+             R * scene_surface.normal[p.scene].cast<double>(), flatness,
+             weight * occupancyFactor(model, scene, p)}};
   };
 }
 
 }  // namespace
 
+NormalEquations linearizeEdges(const EdgeVoxels& model, const EdgeVoxels& scene, const Pairs& pairs,
+                               const Eigen::Isometry3d& T_a_b, VoxelCovariance kind) {
+  return sumOf(scene.centre, pairs, T_a_b, edgeTerm(model, scene, T_a_b, kind));
+}
+
+double edgeError(const EdgeVoxels& model, const EdgeVoxels& scene, const Pairs& pairs,
+                 const Eigen::Isometry3d& T_a_b, VoxelCovariance kind) {
+  return errorOf(scene.centre, pairs, T_a_b, edgeTerm(model, scene, T_a_b, kind));
+}
+
 NormalEquations linearizeVoxels(const OccupiedVoxels& model, const OccupiedVoxels& scene,
                                 const Pairs& pairs, const Eigen::Isometry3d& T_a_b) {
   return sumOf(scene.centre, pairs, T_a_b, voxelTerm(model, scene));
+}
+
+double voxelError(const OccupiedVoxels& model, const OccupiedVoxels& scene, const Pairs& pairs,
+                  const Eigen::Isometry3d& T_a_b) {
+  return errorOf(scene.centre, pairs, T_a_b, voxelTerm(model, scene));
 }
 
 GradientScatter scatterVoxels(const OccupiedVoxels& model, const OccupiedVoxels& scene,
@@ -164,6 +233,13 @@ NormalEquations linearizeSurfaces(const OccupiedVoxels& model, const Surfaces& m
                                   double flatness) {
   return sumOf(scene_surface.point, pairs, T_a_b,
                surfaceTerm(model, model_surface, scene, scene_surface, T_a_b, flatness));
+}
+
+double surfaceError(const OccupiedVoxels& model, const Surfaces& model_surface,
+                    const OccupiedVoxels& scene, const Surfaces& scene_surface, const Pairs& pairs,
+                    const Eigen::Isometry3d& T_a_b, double flatness) {
+  return errorOf(scene_surface.point, pairs, T_a_b,
+                 surfaceTerm(model, model_surface, scene, scene_surface, T_a_b, flatness));
 }
 
 GradientScatter scatterSurfaces(const OccupiedVoxels& model, const Surfaces& model_surface,

@@ -103,21 +103,28 @@ VoxelBlocks::Ball::Ball(double radius, double beyond)
   };
   masks_.assign(64 * static_cast<size_t>(std::pow(2 * reach_ + 1, 3)), 0);
   // Row by row: what an axis has left of the radius when the other two have used theirs.
-  for (size_t cell = 0; cell < 64; cell++) {
-    const int from = static_cast<int>(cell);
-    for (int dz = -radius_; dz <= radius_; dz++)
-      for (int dy = -radius_; dy <= radius_; dy++) {
-        const int far = left(most, dy * dy + dz * dz), near = left(least, dy * dy + dz * dz);
-        if (far < 0) continue;
-        const int x = xOf(from), y = yOf(from) + dy, z = zOf(from) + dz;
-        const uint64_t row = range(1, y & 3, y & 3) & range(2, z & 3, z & 3);
-        for (int bx = (x - far) >> 2; bx <= (x + far) >> 2; bx++) {
-          uint64_t along = range(0, x - far - 4 * bx, x + far - 4 * bx);
-          if (near >= 0) along &= ~range(0, x - near - 4 * bx, x + near - 4 * bx);
-          masks_[index(cell, bx, y >> 2, z >> 2)] |= along & row;
+  const auto side = static_cast<size_t>(2 * reach_ + 1);
+  std::vector<uint64_t> along(4 *
+                              side);  // of a row, from each x: those of the blocks that it meets
+  for (int dz = -radius_; dz <= radius_; dz++)
+    for (int dy = -radius_; dy <= radius_; dy++) {
+      const int far = left(most, dy * dy + dz * dz), near = left(least, dy * dy + dz * dz);
+      if (far < 0) continue;
+      for (int x = 0; x < 4; x++)
+        for (int bx = -reach_; bx <= reach_; bx++) {
+          uint64_t cells = range(0, x - far - 4 * bx, x + far - 4 * bx);
+          if (near >= 0) cells &= ~range(0, x - near - 4 * bx, x + near - 4 * bx);
+          along[static_cast<size_t>(x) * side + static_cast<size_t>(bx + reach_)] = cells;
         }
+      for (size_t cell = 0; cell < 64; cell++) {
+        const auto [x, from_y, from_z] = coordinatesOf(static_cast<int>(cell));
+        const int y = from_y + dy, z = from_z + dz;
+        const uint64_t row = range(1, y & 3, y & 3) & range(2, z & 3, z & 3);
+        uint64_t* masks = &masks_[index(cell, -reach_, y >> 2, z >> 2)];
+        for (size_t i = 0; i < side; i++)
+          masks[i] |= along[static_cast<size_t>(x) * side + i] & row;
       }
-  }
+    }
   if (reach_ > 1) return;
   for (size_t cell = 0; cell < 64; cell++) {
     for (int bz = -reach_; bz <= reach_; bz++)

@@ -38,9 +38,16 @@ struct GradientScatter {
 NormalEquations linearizeEdges(const EdgeVoxels& model, const EdgeVoxels& scene, const Pairs& pairs,
                                const Eigen::Isometry3d& T_a_b, VoxelCovariance kind);
 
+/** NormalEquations::error of linearizeEdges() alone. */
+double edgeError(const EdgeVoxels& model, const EdgeVoxels& scene, const Pairs& pairs,
+                 const Eigen::Isometry3d& T_a_b, VoxelCovariance kind);
+
 /** Eq. (22), the voxel level: W = (1/p_m + 1/p_s)^-1 I. */
 NormalEquations linearizeVoxels(const OccupiedVoxels& model, const OccupiedVoxels& scene,
                                 const Pairs& pairs, const Eigen::Isometry3d& T_a_b);
+/** NormalEquations::error of linearizeVoxels() alone. */
+double voxelError(const OccupiedVoxels& model, const OccupiedVoxels& scene, const Pairs& pairs,
+                  const Eigen::Isometry3d& T_a_b);
 
 /** The voxel level with directions (not in the paper, after Segal et al., "Generalized-ICP"): a
  * voxel with a normal is a piece of surface, well known across it and hardly along it. W is eq.
@@ -52,6 +59,10 @@ NormalEquations linearizeSurfaces(const OccupiedVoxels& model, const Surfaces& m
                                   const OccupiedVoxels& scene, const Surfaces& scene_surface,
                                   const Pairs& pairs, const Eigen::Isometry3d& T_a_b,
                                   double flatness);
+/** NormalEquations::error of linearizeSurfaces() alone. */
+double surfaceError(const OccupiedVoxels& model, const Surfaces& model_surface,
+                    const OccupiedVoxels& scene, const Surfaces& scene_surface, const Pairs& pairs,
+                    const Eigen::Isometry3d& T_a_b, double flatness);
 
 /** The gradients of linearizeVoxels(), by patches of the scene: cubes of a \a side (m), about the
  * \a centre of the normal equations (m). */
@@ -84,12 +95,13 @@ struct SolverParams {
   double min_rotation = 1e-5;     ///< and this, rad
 };
 
-/** Levenberg-Marquardt on SE(3): minimises the error that \a linearize (T -> NormalEquations)
- * gives. Directions that the pairs do not constrain are left as they are. Cost: one linearisation a
- * step. \return The pose; never one of a larger error than \a T. */
-template <class Linearize>
+/** Levenberg-Marquardt on SE(3): minimises the error that \a linearize (T -> NormalEquations) and
+ * \a errorAt (T -> double) give. Directions that the pairs do not constrain are left as they are.
+ * Cost: an error a step, and a linearisation unless the step before it was not taken.
+ * \return The pose; never one of a larger error than \a T. */
+template <class Linearize, class ErrorAt>
 Eigen::Isometry3d optimizePose(Eigen::Isometry3d T, const SolverParams& params,
-                               Linearize&& linearize);
+                               Linearize&& linearize, ErrorAt&& errorAt);
 
 /** T perturbed by xi about a centre. */
 Eigen::Isometry3d perturb(const Eigen::Isometry3d& T, const Vector6d& xi,
@@ -108,20 +120,22 @@ Matrix6d poseCovariance(const NormalEquations& at_optimum, size_t pairs,
 /** Solves (H + lambda diag H) xi = g in the subspace that the pairs constrain. */
 Vector6d solveDamped(const NormalEquations& equations, double lambda);
 
-template <class Linearize>
+template <class Linearize, class ErrorAt>
 Eigen::Isometry3d optimizePose(Eigen::Isometry3d T, const SolverParams& params,
-                               Linearize&& linearize) {
+                               Linearize&& linearize, ErrorAt&& errorAt) {
   double lambda = 1e-6;
-  NormalEquations equations = linearize(T);
+  NormalEquations equations;
+  bool is_linearized = false;
   for (unsigned step = 0; step < params.max_steps; step++) {
+    if (!is_linearized) equations = linearize(T);
+    is_linearized = true;
     const Vector6d xi = solveDamped(equations, lambda);
     if (xi.head<3>().norm() < params.min_translation && xi.tail<3>().norm() < params.min_rotation)
       break;
     const Eigen::Isometry3d candidate = perturb(T, xi, equations.centre);
-    const NormalEquations next = linearize(candidate);
-    if (next.error <= equations.error) {
+    if (errorAt(candidate) <= equations.error) {
       T = candidate;
-      equations = next;
+      is_linearized = false;
       lambda *= 0.1;
     } else {
       lambda = lambda < 1e-3 ? 1e-3 : 10 * lambda;

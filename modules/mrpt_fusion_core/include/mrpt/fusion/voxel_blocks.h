@@ -148,7 +148,7 @@ class VoxelBlocks {
   static constexpr int xOf(int cell) { return (cell & 1) | (cell >> 2 & 2); }
   static constexpr int yOf(int cell) { return xOf(cell >> 1); }
   static constexpr int zOf(int cell) { return xOf(cell >> 2); }
-  static constexpr int spread(int b) { return (b & 1) | (b & 2) << 2; }
+  static constexpr int spread(int b) { return (b & 3) * 5 & 9; }  // bit 1 becomes bit 3
   static constexpr int cellOf(int x, int y, int z) {
     return spread(x) | spread(y) << 1 | spread(z) << 2;
   }

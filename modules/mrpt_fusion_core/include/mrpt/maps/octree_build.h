@@ -36,11 +36,11 @@ struct OcTreeCube {
 
   /** The i-th of eight children, in OctoMap's order (bit 0: x, bit 1: y, bit 2: z). */
   OcTreeCube child(unsigned i) const {
-    OcTreeCube c{key, depth + 1};
-    const uint32_t half = c.side();
-    for (unsigned axis = 0; axis < 3; axis++)
-      if ((i >> axis) & 1U) c.key[axis] = static_cast<octomap::key_type>(c.key[axis] + half);
-    return c;
+    const unsigned height = kMaxDepth - depth - 1;
+    const auto part = [&](unsigned axis) {
+      return static_cast<octomap::key_type>(key[axis] + ((i >> axis & 1U) << height));
+    };
+    return {{part(0), part(1), part(2)}, depth + 1};
   }
 };
 
