@@ -71,6 +71,38 @@ TEST(Normals, AreTheLeastPrincipalComponentOfTheNeighbours) {
   EXPECT_GT(without, 50);
 }
 
+TEST(Normals, OfSolidsBarsAndThinWallsHaveTheVariationOfTheirEigenvalues) {
+  // Where eigenvalues are the same, or next to it, and where the least is zero.
+  EdgeParams params;
+  params.normal_radius = 10;
+  params.max_surface_variation = 0.5;
+  for (const Cell& size : std::vector<Cell>{{3, 3, 3},
+                                            {4, 4, 4},
+                                            {2, 2, 9},
+                                            {2, 3, 9},
+                                            {9, 9, 1},
+                                            {9, 8, 1},
+                                            {9, 9, 2},
+                                            {9, 2, 1}}) {
+    std::vector<Cell> cells;
+    for (int x = 0; x < size[0]; x++)
+      for (int y = 0; y < size[1]; y++)
+        for (int z = 0; z < size[2]; z++) cells.push_back({x, y, z});
+    const auto surfaces = computeSurfaces(voxelsAt(cells, kResolution), params);
+    Eigen::Vector3d spread;  // of whole numbers from 0 on
+    for (int axis = 0; axis < 3; axis++) spread[axis] = size[axis] * size[axis] - 1;
+    const double variation = spread.minCoeff() / spread.sum();
+    for (size_t i = 0; i < cells.size(); i++) {
+      ASSERT_NEAR(surfaces.variation[i], variation, 1e-5) << size[0] << size[1] << size[2];
+      ASSERT_NEAR(surfaces.normal[i].norm(), 1, 1e-5);
+      for (int axis = 0; axis < 3; axis++)  // only across what is thin
+        if (spread[axis] > spread.minCoeff()) {
+          ASSERT_NEAR(surfaces.normal[i][axis], 0, 1e-4);
+        }
+    }
+  }
+}
+
 TEST(Normals, OfFewerThanThreeVoxelsOrOfALineAreZero) {
   for (const std::vector<Cell>& cells : {std::vector<Cell>{{0, 0, 0}},
                                          {{0, 0, 0}, {1, 0, 0}},

@@ -142,8 +142,45 @@ TEST(VoxelBlocks, OrderOfNeighboursDependsOnTheKeysAlone) {
   EXPECT_EQ(walk(), before);
 }
 
+TEST(VoxelBlocks, SurroundingsMissNoneWithinTheirRadius) {
+  std::mt19937 random(8);
+  for (const int extent : {9, 60, 65535}) {  // from one piece to the whole key range
+    const auto keys = randomKeys(40, 0, extent, random);
+    const VoxelBlocks blocks(keys);
+    for (const double radius : {1.0, 3.3, 6.9, 20.0}) {
+      const VoxelBlocks::Surroundings surroundings(blocks, radius);
+      std::uniform_int_distribution<size_t> any(0, keys.size() - 1);
+      std::uniform_int_distribution<int> far(-static_cast<int>(radius), static_cast<int>(radius));
+      for (int i = 0; i < 500; i++) {
+        const octomap::OcTreeKey& key = keys[any(random)];
+        const Place at{key[0] + far(random), key[1] + far(random), key[2] + far(random)};
+        if (neighboursOf(keys, at, radius).empty()) continue;
+        ASSERT_TRUE(surroundings.mayReach(at)) << extent << ", radius " << radius;
+      }
+      // Beyond all keys, where cubes do not get as large.
+      if (extent < 1000) {
+        ASSERT_FALSE(surroundings.mayReach({-1000, keys[0][1], keys[0][2]}));
+        ASSERT_FALSE(surroundings.mayReach({keys[0][0], 1000, keys[0][2]}));
+        ASSERT_FALSE(surroundings.mayReach({keys[0][0], keys[0][1], 100000}));
+      }
+    }
+  }
+}
+
+TEST(VoxelBlocks, SurroundingsAreNoWiderThanABlockMore) {
+  const std::vector<octomap::OcTreeKey> keys = {{100, 100, 100}, {200, 102, 101}};
+  const VoxelBlocks::Surroundings surroundings(VoxelBlocks(keys), 3);
+  for (int x = 90; x < 220; x++) {
+    const int distance = std::min(std::abs(x - 100), std::abs(x - 200));
+    if (distance > 3 && distance <= 10) continue;
+    EXPECT_EQ(surroundings.mayReach({x, 100, 100}), distance <= 3) << x;
+  }
+}
+
 TEST(VoxelBlocks, OfNoVoxelsFindNone) {
   const VoxelBlocks none;
+  EXPECT_FALSE(VoxelBlocks::Surroundings().mayReach({0, 0, 0}));
+  EXPECT_FALSE(VoxelBlocks::Surroundings(none, 5).mayReach({32768, 32768, 32768}));
   EXPECT_FALSE(none.anyAround({32768, 32768, 32768}, VoxelBlocks::Ball(5)));
 }
 

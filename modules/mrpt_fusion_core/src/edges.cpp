@@ -2,7 +2,7 @@
 #include <mrpt/fusion/edges.h>
 #include <mrpt/fusion/voxel_blocks.h>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "kd_tree.h"
+#include "least_axis.h"
 #include "parallel.h"
 
 namespace mrpt::fusion {
@@ -94,11 +95,10 @@ class Moments {
   int64_t n_ = 0, x_ = 0, y_ = 0, z_ = 0, xx_ = 0, xy_ = 0, xz_ = 0, yy_ = 0, yz_ = 0, zz_ = 0;
 };
 
-/** lambda_3 / (lambda_1 + lambda_2 + lambda_3), the eigenvalues ascending, if there is a plane. */
-std::optional<double> surfaceVariation(const Eigen::Vector3d& eigenvalues,
-                                       const EdgeParams& params) {
-  const double variation = eigenvalues[0] / eigenvalues.sum();
-  if (!(eigenvalues[1] > 1e-6) || variation > params.max_surface_variation) return std::nullopt;
+/** lambda_3 / (lambda_1 + lambda_2 + lambda_3), lambda_3 the least, if there is a plane. */
+std::optional<double> surfaceVariation(const LeastAxis& across, const EdgeParams& params) {
+  const double variation = across.value() / across.trace();
+  if (!across.othersExceed(1e-6) || variation > params.max_surface_variation) return std::nullopt;
   return variation;
 }
 
@@ -122,11 +122,10 @@ struct Plane {
 Plane surfaceAround(const VoxelBlocks& occupied, const VoxelBlocks::Ball& ball,
                     const octomap::OcTreeKey& key, const EdgeParams& params) {
   const Moments moments = momentsAround(occupied, ball, key);
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> pca;
-  pca.computeDirect(moments.covariance());
-  const auto variation = surfaceVariation(pca.eigenvalues(), params);
+  const LeastAxis across(moments.covariance());
+  const auto variation = surfaceVariation(across, params);
   if (!variation) return {};
-  const Eigen::Vector3d normal = pca.eigenvectors().col(0);
+  const Eigen::Vector3d normal = across.direction();
   return {normal.cast<float>(), static_cast<float>(*variation),
           static_cast<float>(normal.dot(moments.mean()))};
 }
@@ -376,9 +375,8 @@ std::vector<uint32_t> detectEdges(const OccupiedVoxels& voxels, const VoxelBlock
     first_of[k + 1] = first_of[k] + static_cast<uint32_t>(surfaces.weight[k]);
 
   const auto variationAround = [&](const octomap::OcTreeKey& key) {
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> pca;
-    pca.computeDirect(momentsAround(occupied, bend_ball, key).covariance(), Eigen::EigenvaluesOnly);
-    return static_cast<float>(surfaceVariation(pca.eigenvalues(), params).value_or(0));
+    const LeastAxis across(momentsAround(occupied, bend_ball, key).covariance());
+    return static_cast<float>(surfaceVariation(across, params).value_or(0));
   };
   // Where the surface bends most: the piece's own voxel may lie beside the edge.
   const auto mostBent = [&](size_t k) {

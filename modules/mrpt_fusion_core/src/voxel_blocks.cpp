@@ -142,6 +142,49 @@ bool VoxelBlocks::anyAround(const Place& place, const Ball& ball) const {
   return any;
 }
 
+VoxelBlocks::Surroundings::Surroundings(const VoxelBlocks& blocks, double radius) {
+  if (blocks.blocks_.empty()) return;
+  Place low = blocks.blocks_.front().place, high = low;
+  for (const Block& b : blocks.blocks_)
+    for (unsigned axis = 0; axis < 3; axis++) {
+      low[axis] = std::min(low[axis], b.place[axis]);
+      high[axis] = std::max(high[axis], b.place[axis]);
+    }
+  constexpr double kMostPerBlock = 32;
+  constexpr unsigned kWholeTree = 18;  // doublings
+  const double most = kMostPerBlock * static_cast<double>(blocks.blocks_.size() + 1000);
+  int reach = 0;
+  const auto cubes = [&] {
+    reach = (static_cast<int>(radius) + (1 << shift_) - 1) >> shift_;
+    double n = 1;
+    for (unsigned axis = 0; axis < 3; axis++) {
+      low_[axis] = (low[axis] >> (shift_ - 2)) - reach;
+      size_[axis] = (high[axis] >> (shift_ - 2)) + reach - low_[axis] + 1;
+      n *= size_[axis];
+    }
+    return n;
+  };
+  while (cubes() > most && shift_ < kWholeTree) shift_++;
+
+  const auto row = static_cast<size_t>(size_[0]), layer = row * static_cast<size_t>(size_[1]);
+  near_.resize(layer * static_cast<size_t>(size_[2]));
+  for (const Block& b : blocks.blocks_) {
+    const auto at = [&](unsigned axis) {
+      return static_cast<size_t>((b.place[axis] >> (shift_ - 2)) - low_[axis]);
+    };
+    near_[at(2) * layer + at(1) * row + at(0)] = 1;
+  }
+  // Along one axis after the other; what passes the end of a row is none, it ends in empty cubes.
+  for (const size_t step : {size_t{1}, row, layer}) {
+    const std::vector<uint8_t> from = near_;
+    for (size_t far = step; far <= static_cast<size_t>(reach) * step; far += step)
+      for (size_t i = far; i < near_.size(); i++) {
+        near_[i] |= from[i - far];
+        near_[i - far] |= from[i];
+      }
+  }
+}
+
 VoxelBlocks::Window::Window(const VoxelBlocks& blocks, int reach)
     : blocks_(blocks),
       reach_((reach + 3) / 4),

@@ -92,6 +92,7 @@ void VoxelSearch::prepare(double gate) {
   if (gate > kMostCells * cell_) build(gate / kMostCells);
   constexpr double kGrowth = 1.75;  // the second is for two cells, the least gate of voxel pairs
   const double radius = gate / cell_ + kBeyond + slack_;
+  if (!rings_.empty() && prepared_ >= radius) return;
   while (rings_.empty() || prepared_ < radius) {
     const double next = rings_.empty() ? kBeside : std::min(kGrowth * prepared_, radius);
     const double sure = std::max(0.0, next - slack_) * cell_;
@@ -99,6 +100,7 @@ void VoxelSearch::prepare(double gate) {
         {VoxelBlocks::Ball(next, rings_.empty() ? -1 : kBeside), static_cast<float>(sure * sure)});
     prepared_ = next;
   }
+  surroundings_ = VoxelBlocks::Surroundings(*blocks_, prepared_);
 }
 
 }  // namespace mrpt::fusion

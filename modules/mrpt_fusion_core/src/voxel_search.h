@@ -50,8 +50,12 @@ class VoxelSearch {
       best.others = 0;  // none of them has been looked at
       return best;
     }
-    float squared_of_best = best.others;
     const VoxelBlocks::Place at{floorOf(place.x()), floorOf(place.y()), floorOf(place.z())};
+    if (best.index == kNone && !surroundings_.mayReach(at)) {
+      best.others = rings_.back().sure;
+      return best;
+    }
+    float squared_of_best = best.others;
     const auto look = [&](const Ring& ring) {
       blocks_->forEachAround(at, ring.ball, [&](uint32_t c, const VoxelBlocks::Offset&) {
         for (uint32_t k = first_[c]; k < first_[c + 1]; k++) {
@@ -107,6 +111,7 @@ class VoxelSearch {
   const VoxelBlocks* blocks_ = &own_;    // cells that hold points
   std::vector<uint32_t> first_, point_;  // the points of each cell
   std::vector<Ring> rings_;
+  VoxelBlocks::Surroundings surroundings_;  // as far as the last ring
 };
 
 }  // namespace mrpt::fusion

@@ -122,6 +122,32 @@ class VoxelBlocks {
     std::vector<Seen> seen_;  // of the blocks, x fastest
   };
 
+  /** Tells at once of most places with no voxel near that there is none. A byte for each block
+   * within the box of all, or for a larger cube where the voxels lie far apart; at most 32 times as
+   * many as blocks that are there. */
+  class Surroundings {
+   public:
+    Surroundings() = default;  ///< of no voxels
+    /** O(its memory), and of the blocks.
+     * \param[in] blocks Not kept. \param[in] radius Voxels. */
+    Surroundings(const VoxelBlocks& blocks, double radius);
+    /** False only if no voxel is within the radius of a place. */
+    bool mayReach(const Place& place) const {
+      size_t index = 0;
+      for (unsigned axis = 3; axis-- > 0;) {
+        const int at = (place[axis] >> shift_) - low_[axis];
+        if (at < 0 || at >= size_[axis]) return false;
+        index = index * static_cast<size_t>(size_[axis]) + static_cast<size_t>(at);
+      }
+      return near_[index];
+    }
+
+   private:
+    unsigned shift_ = 2;         // a cube's side is so many doublings of a voxel
+    Place low_{}, size_{};       // cubes
+    std::vector<uint8_t> near_;  // x fastest
+  };
+
  private:
   static constexpr uint32_t kNone = ~uint32_t{0};
 
