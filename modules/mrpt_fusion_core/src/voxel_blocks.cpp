@@ -3,15 +3,33 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace mrpt::fusion {
 namespace {
 
-struct Entry {
-  uint64_t order;
-  uint32_t voxel;
-  bool operator<(const Entry& o) const { return order < o.order; }
-};
+/** The indices of keys in the octree's order: the one that they mostly have already. */
+std::vector<uint32_t> inOctreeOrder(const std::vector<octomap::OcTreeKey>& keys) {
+  std::vector<uint32_t> index(keys.size());
+  std::iota(index.begin(), index.end(), 0);
+  uint64_t last = 0;
+  for (const octomap::OcTreeKey& key : keys) {
+    const uint64_t order = octreeOrder(key);
+    if (order < last) {
+      std::sort(index.begin(), index.end(), [&](uint32_t a, uint32_t b) {
+        return octreeOrder(keys[a]) < octreeOrder(keys[b]);
+      });
+      break;
+    }
+    last = order;
+  }
+  return index;
+}
+
+/** Whether two are in one cube of a side of 2^depth voxels. */
+bool shareCube(const octomap::OcTreeKey& a, const octomap::OcTreeKey& b, int depth) {
+  return ((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) >> depth == 0;
+}
 
 }  // namespace
 
@@ -22,29 +40,21 @@ void VoxelBlocks::add(Cells& cells, int cell, uint32_t content) {
   cells.rank[static_cast<size_t>(cell)] = static_cast<uint8_t>(content - cells.first);
 }
 
-VoxelBlocks::VoxelBlocks(const std::vector<octomap::OcTreeKey>& keys) {
-  std::vector<Entry> entries(keys.size());
-  for (size_t i = 0; i < keys.size(); i++)
-    entries[i] = {octreeOrder(keys[i]), static_cast<uint32_t>(i)};
-  if (!std::is_sorted(entries.begin(), entries.end())) std::sort(entries.begin(), entries.end());
-
-  size_t blocks = 0;
-  for (size_t i = 0; i < entries.size(); i++)
-    blocks += i == 0 || entries[i].order >> 6U != entries[i - 1].order >> 6U ? 1 : 0;
+VoxelBlocks::VoxelBlocks(const std::vector<octomap::OcTreeKey>& keys)
+    : voxels_(inOctreeOrder(keys)) {
+  const auto keyAt = [&](size_t i) -> const octomap::OcTreeKey& { return keys[voxels_[i]]; };
+  size_t blocks = 0, groups = 0;
+  for (size_t i = 0; i < voxels_.size(); i++) {
+    if (i > 0 && shareCube(keyAt(i), keyAt(i - 1), 2)) continue;
+    blocks++;
+    if (i == 0 || !shareCube(keyAt(i), keyAt(i - 1), 4)) groups++;
+  }
   blocks_.reserve(blocks);
-  voxels_.reserve(keys.size());
-  constexpr uint64_t kNoBlock = ~uint64_t{0};
-  uint64_t last_block = kNoBlock;
-  size_t groups = 0;
-  for (const Entry& e : entries) {
-    if (e.order >> 6U != last_block) {
-      if (last_block == kNoBlock || e.order >> 12U != last_block >> 6U) groups++;
-      last_block = e.order >> 6U;
-      const octomap::OcTreeKey& k = keys[e.voxel];
+  for (size_t i = 0; i < voxels_.size(); i++) {
+    const octomap::OcTreeKey& k = keyAt(i);
+    if (i == 0 || !shareCube(k, keyAt(i - 1), 2))
       blocks_.emplace_back().place = {k[0] >> 2, k[1] >> 2, k[2] >> 2};
-    }
-    add(blocks_.back(), static_cast<int>(e.order & 63U), static_cast<uint32_t>(voxels_.size()));
-    voxels_.push_back(e.voxel);
+    add(blocks_.back(), cellOf(k[0], k[1], k[2]), static_cast<uint32_t>(i));
   }
 
   size_t capacity = 16;

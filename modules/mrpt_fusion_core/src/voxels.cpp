@@ -10,6 +10,11 @@ namespace mrpt::fusion {
 OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map, size_t max_voxels) {
   OccupiedVoxels voxels;
   voxels.resolution = map.getResolution();
+  // More than most maps have, so that the arrays need not grow; what stays unused is not touched.
+  const size_t enough = map.size() / 4;
+  voxels.centre.reserve(enough);
+  voxels.probability.reserve(enough);
+  voxels.key.reserve(enough);
   mrpt::maps::forEachOccupiedVoxel(
       map, max_voxels, [&](const octomap::OcTreeKey& key, float probability) {
         voxels.centre.emplace_back(static_cast<float>(map.keyToCoord(key[0])),
