@@ -374,15 +374,18 @@ class PoseComparison {
   /** \param[in] voxels So many of each map. \param[in] association Of a's matched voxels. */
   PoseComparison(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& association,
                  const MatchParams& params, size_t voxels)
-      : a_(a),
-        b_(b),
-        association_(association),
-        params_(roughly(params)),
-        few_b_(fewOf(b.matched, params.search.cell, voxels)),
-        H_m_(occupancyUncertainty(a.matched.voxels.probability, few_b_.voxels.probability)),
-        of_a_(obstaclesOf(*a.map, fewOf(a.matched, params.search.cell, voxels))),
-        of_b_(obstaclesOf(*b.map, few_b_)) {
-    association.prepare(params.voxel_level.gate);
+      : a_(a), b_(b), association_(association), params_(roughly(params)) {
+    const double cell = params.search.cell;
+    tbb::parallel_invoke(
+        [&] {
+          of_a_ = obstaclesOf(*a.map, fewOf(a.matched, cell, voxels));
+          association.prepare(params.voxel_level.gate);
+        },
+        [&] {
+          few_b_ = fewOf(b.matched, cell, voxels);
+          of_b_ = obstaclesOf(*b.map, few_b_);
+          H_m_ = occupancyUncertainty(a.matched.voxels.probability, few_b_.voxels.probability);
+        });
   }
 
   const SurfaceVoxels& sceneVoxels() const { return few_b_; }
@@ -423,9 +426,9 @@ class PoseComparison {
   const MapFeatures &a_, &b_;
   VoxelAssociation& association_;
   const MatchParams params_;
-  const SurfaceVoxels few_b_;
-  const double H_m_;
-  const Obstacles of_a_, of_b_;
+  SurfaceVoxels few_b_;
+  double H_m_ = 0;
+  Obstacles of_a_, of_b_;
 };
 
 }  // namespace

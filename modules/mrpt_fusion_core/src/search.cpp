@@ -314,21 +314,22 @@ Eigen::AlignedBox3d boxOf(const Points& points, const Eigen::Isometry3d& T) {
 
 /** The box without the outermost points, one of 200 along each axis and to each side: stray returns
  * lie far from a map, and tell nothing of where another can lie. */
-Eigen::AlignedBox3d boxOfMost(Points points) {
+Eigen::AlignedBox3d boxOfMost(const Points& points) {
   Eigen::AlignedBox3d box;
-  const size_t stray = points.size() / 200;
-  for (const auto& p : points) box.extend(p.cast<double>());
-  if (points.empty() || stray == 0) return box;
-  for (int axis = 0; axis < 3; axis++) {
-    const auto nth = [&](size_t n) {
-      const auto at = points.begin() + static_cast<std::ptrdiff_t>(n);
-      std::nth_element(points.begin(), at, points.end(),
-                       [axis](const auto& p, const auto& q) { return p[axis] < q[axis]; });
-      return static_cast<double>((*at)[axis]);
+  const auto stray = static_cast<std::ptrdiff_t>(points.size() / 200);
+  if (points.empty()) return box;
+  forEachIndex(3, 1, [&](size_t axis) {
+    const auto i = static_cast<Eigen::Index>(axis);
+    std::vector<float> along(points.size());
+    std::transform(points.begin(), points.end(), along.begin(),
+                   [i](const auto& p) { return p[i]; });
+    const auto nth = [&](std::ptrdiff_t n) {
+      std::nth_element(along.begin(), along.begin() + n, along.end());
+      return static_cast<double>(along[static_cast<size_t>(n)]);
     };
-    box.min()[axis] = nth(stray);
-    box.max()[axis] = nth(points.size() - 1 - stray);
-  }
+    box.min()[i] = nth(stray);
+    box.max()[i] = nth(static_cast<std::ptrdiff_t>(along.size()) - 1 - stray);
+  });
   return box;
 }
 
