@@ -24,75 +24,68 @@ constexpr uint32_t kNone = ~uint32_t{0};
 
 VoxelBlocks::Place placeOf(const octomap::OcTreeKey& key) { return {key[0], key[1], key[2]}; }
 
-/** Sums over some cells of a block of 4x4x4, by their coordinates (0 to 3) in it: how many, the
- * coordinates and the products of two. A byte each, which those of all 64 cells fit in. */
-struct CellSums {
-  uint64_t n_x_y_z_xy_xz_yz = 0;  ///< lowest byte first
-  uint64_t xx_yy_zz = 0;
+/** Four numbers in one register. */
+using Four = float __attribute__((vector_size(16)));
 
-  static constexpr CellSums of(uint64_t x, uint64_t y, uint64_t z) {
-    return {1 | x << 8U | y << 16U | z << 24U | x * y << 32U | x * z << 40U | y * z << 48U,
-            x * x | y * y << 8U | z * z << 16U};
+/** Sums over some cells of a block of 4x4x4, by their coordinates (0 to 3) in it. */
+struct CellSums {
+  Four xyz = {};       ///< and how many
+  Four squares = {};   ///< xx, yy, zz
+  Four products = {};  ///< xy, xz, yz
+
+  static constexpr CellSums ofCell(int cell) {
+    const auto at = VoxelBlocks::coordinatesOf(cell);
+    const auto x = static_cast<float>(at[0]), y = static_cast<float>(at[1]),
+               z = static_cast<float>(at[2]);
+    return {Four{x, y, z, 1}, Four{x * x, y * y, z * z, 0}, Four{x * y, x * z, y * z, 0}};
+  }
+  void operator+=(const CellSums& o) {
+    xyz += o.xyz;
+    squares += o.squares;
+    products += o.products;
   }
 };
 constexpr auto kCellSums = [] {
   std::array<CellSums, 64> sums{};
-  for (int cell = 0; cell < 64; cell++) {
-    const auto [x, y, z] = VoxelBlocks::coordinatesOf(cell);
-    sums[static_cast<size_t>(cell)] =
-        CellSums::of(static_cast<uint64_t>(x), static_cast<uint64_t>(y), static_cast<uint64_t>(z));
-  }
+  for (int cell = 0; cell < 64; cell++) sums[static_cast<size_t>(cell)] = CellSums::ofCell(cell);
   return sums;
 }();
 
-/** Mean and spread of a set of offsets. Sums of whole numbers are exact, whatever their order. */
+/** Mean and spread of a set of offsets. Sums of whole numbers: exact, whatever their order, up to
+ * 2^24, which those of a ball of 20 voxels do not reach. */
 class Moments {
  public:
   /** Adds the offsets of a block's voxels.
-   * \param[in] cells Those that are there. \param[in] o Offset of its lowest cell. */
-  void add(uint64_t cells, const VoxelBlocks::Offset& o) {
-    CellSums sums;
-    for (; cells; cells &= cells - 1) {
-      const CellSums& cell = kCellSums[static_cast<size_t>(__builtin_ctzll(cells))];
-      sums.n_x_y_z_xy_xz_yz += cell.n_x_y_z_xy_xz_yz;
-      sums.xx_yy_zz += cell.xx_yy_zz;
-    }
-    const auto linear = [&](unsigned byte) {
-      return static_cast<int>(sums.n_x_y_z_xy_xz_yz >> 8U * byte & 255U);
-    };
-    const auto square = [&](unsigned byte) {
-      return static_cast<int>(sums.xx_yy_zz >> 8U * byte & 255U);
-    };
-    const int n = linear(0), x = linear(1), y = linear(2), z = linear(3);
-    n_ += n;
-    x_ += x + n * o[0];
-    y_ += y + n * o[1];
-    z_ += z + n * o[2];
-    xx_ += square(0) + (2 * x + n * o[0]) * o[0];
-    yy_ += square(1) + (2 * y + n * o[1]) * o[1];
-    zz_ += square(2) + (2 * z + n * o[2]) * o[2];
-    xy_ += linear(4) + x * o[1] + (y + n * o[1]) * o[0];
-    xz_ += linear(5) + x * o[2] + (z + n * o[2]) * o[0];
-    yz_ += linear(6) + y * o[2] + (z + n * o[2]) * o[1];
+   * \param[in] cells Those that are there. \param[in] offset Of its lowest cell. */
+  void add(uint64_t cells, const VoxelBlocks::Offset& offset) {
+    CellSums in_block;
+    for (; cells; cells &= cells - 1)
+      in_block += kCellSums[static_cast<size_t>(__builtin_ctzll(cells))];
+    const Four o = {static_cast<float>(offset[0]), static_cast<float>(offset[1]),
+                    static_cast<float>(offset[2]), 0};
+    const Four from_block = in_block.xyz;
+    const Four from_origin = from_block + from_block[3] * o;
+    sums_.xyz += from_origin;
+    sums_.squares += in_block.squares + (from_block + from_origin) * o;
+    const auto first = [](const Four& v) { return __builtin_shufflevector(v, v, 0, 0, 1, 3); };
+    const auto second = [](const Four& v) { return __builtin_shufflevector(v, v, 1, 2, 2, 3); };
+    sums_.products +=
+        in_block.products + first(from_block) * second(o) + second(from_origin) * first(o);
   }
-  size_t size() const { return static_cast<size_t>(n_); }
-  Eigen::Vector3d mean() const {
-    return Eigen::Vector3d(static_cast<double>(x_), static_cast<double>(y_),
-                           static_cast<double>(z_)) /
-           static_cast<double>(n_);
-  }
+  size_t size() const { return static_cast<size_t>(sums_.xyz[3]); }
+  Eigen::Vector3d mean() const { return toVector(sums_.xyz) / static_cast<double>(sums_.xyz[3]); }
   Eigen::Matrix3d covariance() const {
-    const auto xx = static_cast<double>(xx_), xy = static_cast<double>(xy_),
-               xz = static_cast<double>(xz_), yy = static_cast<double>(yy_),
-               yz = static_cast<double>(yz_), zz = static_cast<double>(zz_);
+    const Eigen::Vector3d square = toVector(sums_.squares), product = toVector(sums_.products);
     Eigen::Matrix3d squares;
-    squares << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+    squares << square.x(), product.x(), product.y(), product.x(), square.y(), product.z(),
+        product.y(), product.z(), square.z();
     const Eigen::Vector3d m = mean();
-    return squares / static_cast<double>(n_) - m * m.transpose();
+    return squares / static_cast<double>(sums_.xyz[3]) - m * m.transpose();
   }
 
  private:
-  int64_t n_ = 0, x_ = 0, y_ = 0, z_ = 0, xx_ = 0, xy_ = 0, xz_ = 0, yy_ = 0, yz_ = 0, zz_ = 0;
+  static Eigen::Vector3d toVector(const Four& v) { return {v[0], v[1], v[2]}; }
+  CellSums sums_;
 };
 
 /** lambda_3 / (lambda_1 + lambda_2 + lambda_3), lambda_3 the least, if there is a plane. */
@@ -280,9 +273,10 @@ class SurfaceTracer {
    * only, which is 6 degrees of a walk of five. */
   Eigen::Vector2f middleOfSurfaceAt(const Spot& at) {
     constexpr float kRadius2 = 1.6F * 1.6F;
+    static const VoxelBlocks::Ball ball(std::hypot(1.6, 2 * kHalfSlice));
     Eigen::Vector2f sum = Eigen::Vector2f::Zero();
     int n = 0;
-    occupied_.forEachAround(at.offset, stepBall(), [&](const Offset& near) {
+    occupied_.forEachAround(at.offset, ball, [&](const Offset& near) {
       const Eigen::Vector3f offset = toVector(near);
       const Eigen::Vector2f place = inSlice(offset);
       const bool itself = near == at.offset;
