@@ -9,6 +9,8 @@
 #include <map>
 #include <optional>
 #include <random>
+#include <stdexcept>
+#include <utility>
 
 #include "test_maps.h"
 
@@ -340,6 +342,27 @@ TEST_F(Association, OccupancyTellsApartVoxelsThatDistanceMixes) {
   };
   EXPECT_EQ(partner(0), 1);
   EXPECT_EQ(partner(0.1), 0);
+}
+
+// Several threads share an association: none may make it ready for a wider gate under the others.
+TEST_F(Association, IsSharedForTheGatesItIsPreparedFor) {
+  OccupiedVoxels voxels;
+  voxels.resolution = 0.2;
+  voxels.centre = {{0.1F, 0.1F, 0.1F}};
+  voxels.probability = {0.9F};
+  VoxelAssociation association(voxels);
+  const auto shared = [&](double gate) {
+    return std::as_const(association)
+        .associate(voxels, Eigen::Isometry3d::Identity(), {}, gate)
+        .size();
+  };
+  EXPECT_THROW(shared(0.1), std::logic_error);
+  association.prepare(0.5);
+  EXPECT_EQ(shared(0.5), 1U);
+  EXPECT_THROW(shared(0.6), std::logic_error);
+  association.prepare(0.6);
+  association.prepare(0.1);
+  EXPECT_EQ(shared(0.6), 1U);
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <stdexcept>
+#include <utility>
 
 #include "kd_tree.h"
 #include "parallel.h"
@@ -108,11 +110,19 @@ void VoxelAssociation::prepare(double gate) { impl_->search.prepare(gate); }
 Pairs VoxelAssociation::associate(const OccupiedVoxels& scene, const Eigen::Isometry3d& T_a_b,
                                   const DescriptorWeights& weights, double gate, const Pairs* among,
                                   Partners* last) {
+  prepare(gate);
+  return std::as_const(*this).associate(scene, T_a_b, weights, gate, among, last);
+}
+
+Pairs VoxelAssociation::associate(const OccupiedVoxels& scene, const Eigen::Isometry3d& T_a_b,
+                                  const DescriptorWeights& weights, double gate, const Pairs* among,
+                                  Partners* last) const {
+  if (gate > impl_->search.gate())
+    throw std::logic_error("VoxelAssociation: a gate wider than prepared for");
   const Eigen::Isometry3f T = T_a_b.cast<float>();
   const auto gate2 = static_cast<float>(gate * gate);
   const auto w_o = static_cast<float>(weights.omega_o);
   const OccupiedVoxels& model = impl_->model;
-  prepare(gate);
   if (last && last->size() != scene.size()) last->assign(scene.size(), {});
   constexpr float kRounding = 1e-5F;
   return associateEach(scene.size(), among, [&](uint32_t i) {

@@ -6,11 +6,14 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "parallel.h"
 
 namespace mrpt::fusion {
 namespace {
+
+constexpr double kHeldGate = 3;  // voxels, see LevelProblem::heldHessian()
 
 /** What differs between the two levels: how to pair, with which weights, and what to minimise. */
 struct LevelProblem {
@@ -54,7 +57,7 @@ struct LevelProblem {
     const DescriptorWeights w = weights(meanSquaredError(some));
     const auto pullAt = [&](const Vector6d& xi) {
       const Eigen::Isometry3d moved = perturb(T, xi, at_rest.centre);
-      const NormalEquations n = linearize(associate(moved, w, 3 * step, &some), moved);
+      const NormalEquations n = linearize(associate(moved, w, kHeldGate * step, &some), moved);
       Vector6d g = n.g;
       g.tail<3>() += (n.centre - at_rest.centre).cross(n.g.head<3>());  // about the same centre
       return g;
@@ -160,8 +163,8 @@ void matchEdges(const MapFeatures& a, const MapFeatures& b, const MatchParams& p
 }
 
 /** How the voxel level pairs: all that judging a pose needs of it. \param[in] H_m See
- * occupancyUncertainty(). */
-LevelProblem voxelPairing(const OccupiedVoxels& b, double H_m, VoxelAssociation& association,
+ * occupancyUncertainty(). \param[in] association Prepared for the gates to come. */
+LevelProblem voxelPairing(const OccupiedVoxels& b, double H_m, const VoxelAssociation& association,
                           const MatchParams& params) {
   LevelProblem problem;
   problem.level = Level::Voxel;
@@ -178,7 +181,7 @@ LevelProblem voxelPairing(const OccupiedVoxels& b, double H_m, VoxelAssociation&
 }
 
 LevelProblem voxelLevel(const SurfaceVoxels& a, const SurfaceVoxels& b, double H_m,
-                        VoxelAssociation& association, const MatchParams& params) {
+                        const VoxelAssociation& association, const MatchParams& params) {
   LevelProblem level = voxelPairing(b.voxels, H_m, association, params);
   level.linearize = [&](const Pairs& pairs, const auto& T) {
     return params.voxel_metric == VoxelMetric::Point
@@ -206,19 +209,24 @@ LevelProblem voxelLevel(const SurfaceVoxels& a, const SurfaceVoxels& b, double H
   return level;
 }
 
-/** With all of the maps' matched voxels. */
-LevelProblem voxelLevel(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& association,
-                        const MatchParams& params) {
-  const double H_m =
-      occupancyUncertainty(a.matched.voxels.probability, b.matched.voxels.probability);
-  return voxelLevel(a.matched, b.matched, H_m, association, params);
-}
-
 double largerVoxel(const MapFeatures& a, const MapFeatures& b) {
   return std::max(a.voxels.resolution, b.voxels.resolution);
 }
 /** The least gate of voxel pairs, m. */
 double twoVoxels(const MapFeatures& a, const MapFeatures& b) { return 2 * largerVoxel(a, b); }
+/** The widest gate of the voxel level and of its covariance, m. */
+double widestGate(const MapFeatures& a, const MapFeatures& b, const MatchParams& params) {
+  return std::max(params.voxel_level.gate, kHeldGate * largerVoxel(a, b));
+}
+
+/** With all of the maps' matched voxels; prepares the association of these. */
+LevelProblem voxelLevel(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& association,
+                        const MatchParams& params) {
+  association.prepare(widestGate(a, b, params));
+  const double H_m =
+      occupancyUncertainty(a.matched.voxels.probability, b.matched.voxels.probability);
+  return voxelLevel(a.matched, b.matched, H_m, association, params);
+}
 
 /** The covariance of a pose by a level's pairs there. */
 Matrix6d covarianceOf(const MapFeatures& a, const MapFeatures& b, const LevelProblem& level,
@@ -379,7 +387,7 @@ class PoseComparison {
     tbb::parallel_invoke(
         [&] {
           of_a_ = obstaclesOf(*a.map, fewOf(a.matched, cell, voxels));
-          association.prepare(params.voxel_level.gate);
+          association.prepare(widestGate(a, b, params));
         },
         [&] {
           few_b_ = fewOf(b.matched, cell, voxels);
@@ -424,7 +432,7 @@ class PoseComparison {
   }
 
   const MapFeatures &a_, &b_;
-  VoxelAssociation& association_;
+  const VoxelAssociation& association_;
   const MatchParams params_;
   SurfaceVoxels few_b_;
   double H_m_ = 0;
@@ -466,22 +474,31 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
 
   // All starts by few voxels first, if there are many: those are a quarter of the work.
   constexpr size_t kFew = 250, kMany = 1000, kMostByMany = 24;
-  VoxelAssociation association(a.matched.voxels);
-  const PoseComparison by_many(a, b, association, params, kMany);
   MatchResult result;
   result.T_a_b = T_a_b;
   std::vector<Eigen::Isometry3d> starts;
-  if (!params.search.isEverywhere()) {
-    matchEdges(a, b, PoseComparison::roughly(params), result, on_iteration);
-    starts.push_back(result.T_a_b);
-  }
-  const SurfaceVoxels& scene = by_many.sceneVoxels();
-  const bool turns =
-      params.search.isEverywhere() && params.search.rotations == SearchRotations::All;
-  for (const Hypothesis& h :
-       turns ? searchAllRotations(*a.map, a.voxels, a.matched.surfaces, scene, params.search)
-             : searchAround(*a.map, a.voxels, a.matched.surfaces, scene, T_a_b, params.search))
-    starts.push_back(h.T_a_b);
+  std::optional<VoxelAssociation> of_voxels;
+  std::optional<PoseComparison> comparison;
+  std::vector<Hypothesis> found;
+  tbb::parallel_invoke(
+      [&] {
+        if (params.search.isEverywhere()) return;
+        matchEdges(a, b, PoseComparison::roughly(params), result, on_iteration);
+        starts.push_back(result.T_a_b);
+      },
+      [&] {
+        of_voxels.emplace(a.matched.voxels);
+        comparison.emplace(a, b, *of_voxels, params, kMany);
+        const SurfaceVoxels& scene = comparison->sceneVoxels();
+        const bool turns =
+            params.search.isEverywhere() && params.search.rotations == SearchRotations::All;
+        found =
+            turns ? searchAllRotations(*a.map, a.voxels, a.matched.surfaces, scene, params.search)
+                  : searchAround(*a.map, a.voxels, a.matched.surfaces, scene, T_a_b, params.search);
+      });
+  VoxelAssociation& association = *of_voxels;
+  const PoseComparison& by_many = *comparison;
+  for (const Hypothesis& h : found) starts.push_back(h.T_a_b);
   if (starts.empty()) starts.push_back(T_a_b);
   if (starts.size() > kMostByMany) {
     const auto best = PoseComparison(a, b, association, params, kFew).ranked(starts);
@@ -619,6 +636,7 @@ Pairs pairVoxels(const MapVoxels& a, const MapVoxels& b, const Eigen::Isometry3d
   const size_t n = b.voxels.size();
   if (a.voxels.size() == 0 || n == 0) return {};
   VoxelAssociation association(a.voxels, a.occupied);
+  association.prepare(params.voxel_level.gate);
   const double H_m = occupancyUncertainty(a.voxels.probability, b.voxels.probability);
   Pairs asked;
   const size_t stride = strideFor(n, params.evaluation_voxels);

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <memory>
 #include <tuple>
 #include <utility>
@@ -247,9 +248,17 @@ float scoreOf(uint32_t confirmed, uint32_t conflicting) {
   return n * share * share;
 }
 
-/** The places of one yaw, of each x and y the best height: all others are near it. */
-std::vector<Place> scoreWindow(const ScoreGrid& grid, const Lattice& lattice, int yaw,
-                               const Points& points, const Window& window) {
+/** The grid's cells of points. */
+std::vector<Cell> cellsOf(const ScoreGrid& grid, const Points& points, const Eigen::Isometry3d& T) {
+  std::vector<Cell> cells(points.size());
+  for (size_t i = 0; i < points.size(); i++) cells[i] = grid.cellOf(T * points[i].cast<double>());
+  return cells;
+}
+
+/** The places of one yaw, of each x and y the best height: all others are near it.
+ * \param[in] scene The cells of the points, turned by the yaw. */
+std::vector<Place> scoreWindow(const ScoreGrid& grid, const std::vector<Cell>& scene, int yaw,
+                               const Window& window) {
   const auto& [low, size] = window;
   struct Counts {
     uint32_t occupied = 0, free = 0;
@@ -258,12 +267,11 @@ std::vector<Place> scoreWindow(const ScoreGrid& grid, const Lattice& lattice, in
   const size_t rows = static_cast<size_t>(size[1]) * static_cast<size_t>(size[2]);
   std::vector<Counts> counts(rows * static_cast<size_t>(row_length));
   std::vector<uint16_t> some(counts.size());
-  const Eigen::Isometry3d T = lattice.turned(yaw);
-  for (size_t first = 0; first < points.size(); first += ScoreGrid::kMostSummed) {
+  for (size_t first = 0; first < scene.size(); first += ScoreGrid::kMostSummed) {
     std::fill(some.begin(), some.end(), 0);
-    for (size_t i = first; i < std::min(first + ScoreGrid::kMostSummed, points.size()); i++) {
-      const Cell c = grid.cellOf(T * points[i].cast<double>());
-      grid.addBox({c[0] + low[0], c[1] + low[1], c[2] + low[2]}, size, some.data());
+    for (size_t i = first; i < std::min(first + ScoreGrid::kMostSummed, scene.size()); i++) {
+      const auto& [x, y, z] = scene[i];
+      grid.addBox({x + low[0], y + low[1], z + low[2]}, size, some.data());
     }
     for (size_t k = 0; k < counts.size(); k++) {
       counts[k].occupied += some[k] & 255U;
@@ -586,8 +594,9 @@ class PoseSearch {
     std::vector<std::vector<Place>> of_yaw(yaws.size());
     forEachIndex(of_yaw.size(), 1, [&](size_t i) {
       const Window window = windowOf(lattice, yaws[i], points);
-      of_yaw[i] = mostDistinct(scoreWindow(grid, lattice, yaws[i], points, window),
-                               std::min(count, kOfAYaw), near);
+      const auto scene = cellsOf(grid, points, lattice.turned(yaws[i]));
+      of_yaw[i] =
+          mostDistinct(scoreWindow(grid, scene, yaws[i], window), std::min(count, kOfAYaw), near);
     });
     return mostDistinct(concatenated(of_yaw), count, near);
   }
@@ -602,7 +611,8 @@ class PoseSearch {
       const Window window{{2 * c.x - 2, 2 * c.y - 2, 2 * c.z - 2}, {5, 5, 5}};
       std::vector<Place> around;
       for (int yaw = 2 * c.yaw - 1; yaw <= 2 * c.yaw + 1; yaw++) {
-        const auto places = scoreWindow(grid, lattice, yaw, points, window);
+        const auto scene = cellsOf(grid, points, lattice.turned(yaw));
+        const auto places = scoreWindow(grid, scene, yaw, window);
         around.insert(around.end(), places.begin(), places.end());
       }
       best[i] = mostDistinct(std::move(around), 1, same(level));
@@ -612,10 +622,15 @@ class PoseSearch {
 
   /** By all points, at the finest level. */
   std::vector<Place> rescored(const ScoreGrid& grid, const std::vector<Place>& places) const {
-    std::vector<std::vector<Place>> exactly(places.size());
-    forEachIndex(places.size(), 1, [&](size_t i) {
-      const Place& p = places[i];
-      exactly[i] = scoreWindow(grid, lattice_, p.yaw, points_, {{p.x, p.y, p.z}, {1, 1, 1}});
+    std::map<int, std::vector<Place>> by_yaw;
+    for (const Place& p : places) by_yaw[p.yaw].push_back(p);
+    const std::vector<std::pair<int, std::vector<Place>>> yaws(by_yaw.begin(), by_yaw.end());
+    std::vector<std::vector<Place>> exactly(yaws.size());
+    forEachIndex(yaws.size(), 1, [&](size_t i) {
+      const auto& [yaw, of_yaw] = yaws[i];
+      const auto scene = cellsOf(grid, points_, lattice_.turned(yaw));
+      for (const Place& p : of_yaw)
+        exactly[i].push_back(scoreWindow(grid, scene, yaw, {{p.x, p.y, p.z}, {1, 1, 1}}).front());
     });
     return mostDistinct(concatenated(exactly), params_.hypotheses, another());
   }

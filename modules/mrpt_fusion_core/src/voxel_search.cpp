@@ -86,6 +86,8 @@ void VoxelSearch::build(double cell) {
 }
 
 void VoxelSearch::prepare(double gate) {
+  if (gate <= gate_) return;
+  gate_ = gate;
   constexpr double kBeside = 1.8;  // the 26 cells around one: where most answers are
   // With wide gates a fine grid is mostly empty cells to look into.
   constexpr double kMostCells = 12;

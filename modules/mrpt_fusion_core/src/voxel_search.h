@@ -30,6 +30,8 @@ class VoxelSearch {
   /** Makes ready for queries up to a distance, m, on a coarser grid if need be: queries from there
    * tell of the others a little beyond it. Not while a query runs. */
   void prepare(double gate);
+  /** The widest that has been prepared for, m; negative: none. */
+  double gate() const { return gate_; }
 
   static constexpr uint32_t kNone = ~uint32_t{0};
 
@@ -107,6 +109,7 @@ class VoxelSearch {
   float cell_ = 1;
   double slack_ = 0;     // cells: how much nearer a point can be than its cell's offset is long
   double prepared_ = 0;  // the largest radius, cells
+  double gate_ = -1;     // m
   VoxelBlocks own_;      // if none are given
   const VoxelBlocks* blocks_ = &own_;    // cells that hold points
   std::vector<uint32_t> first_, point_;  // the points of each cell

@@ -69,7 +69,7 @@ class VoxelAssociation {
   ~VoxelAssociation();
   VoxelAssociation(VoxelAssociation&&) noexcept;  ///< the other can but be destroyed
 
-  /** Makes ready for gates up to this one: after it several threads may associate at once. */
+  /** Makes ready for gates up to this one, m. */
   void prepare(double gate);
 
   /** What was found for a scene voxel. */
@@ -87,6 +87,12 @@ class VoxelAssociation {
   Pairs associate(const OccupiedVoxels& scene, const Eigen::Isometry3d& T_a_b,
                   const DescriptorWeights& weights, double gate, const Pairs* among = nullptr,
                   Partners* last = nullptr);
+  /** \overload
+   * By several threads at once, each with partners of its own. \exception std::logic_error If the
+   * gate is wider than what has been prepared for. */
+  Pairs associate(const OccupiedVoxels& scene, const Eigen::Isometry3d& T_a_b,
+                  const DescriptorWeights& weights, double gate, const Pairs* among = nullptr,
+                  Partners* last = nullptr) const;
 
  private:
   struct Impl;

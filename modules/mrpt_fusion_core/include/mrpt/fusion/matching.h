@@ -142,7 +142,7 @@ using OnIteration = std::function<void(const IterationRecord&)>;  ///< see match
  *
  * \param[in] a,b Features of the maps A and B. \param[in] T_a_b The guess. \param[in] params All
  * of it but the search. \param[in] on_iteration Called after each iteration, if given (progress,
- * plots).
+ * plots); never by two threads at a time, but not always by the same one.
  * Cost: iterations * scene voxels * log(model voxels).
  */
 MatchResult matchTwoLevel(const MapFeatures& a, const MapFeatures& b,
