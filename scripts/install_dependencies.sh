@@ -6,10 +6,10 @@
 set -euo pipefail
 
 packages=(
-  cmake g++ make
+  cmake g++ make pkg-config
   libmrpt-maps-dev libmrpt-slam-dev # bring mrpt-obs, -opengl, -io..., Eigen and nanoflann
   liboctomap-dev                    # also holds the real building that the demo uses
-  libeigen3-dev libtbb-dev zlib1g-dev liblzma-dev
+  libeigen3-dev libtbb-dev libjemalloc-dev zlib1g-dev liblzma-dev
   libcli11-dev nlohmann-json3-dev
   libgtest-dev
   mrpt-apps mrpt-common             # tests: MRPT's programs, sample data
@@ -17,7 +17,7 @@ packages=(
   xvfb xauth imagemagick libgl1-mesa-dri # tests: windows and pictures of them, without a screen
 )
 if [ "${1:-}" = --benchmark ]; then
-  packages+=(libpcl-dev libbenchmark-dev pkg-config python3 python3-matplotlib python3-numpy)
+  packages+=(libpcl-dev libbenchmark-dev python3 python3-matplotlib python3-numpy)
 fi
 
 missing=()

@@ -6,7 +6,6 @@
  * of `copy` they give a time that no such step can beat.
  */
 #include <benchmark/benchmark.h>
-#include <malloc.h>
 #include <mrpt/fusion/evaluation.h>
 #include <mrpt/fusion/matching.h>
 #include <mrpt/fusion/merging.h>
@@ -268,15 +267,6 @@ void copy(State& state) {
   state.counters["bytes"] = static_cast<double>(bytesOf(from) + bytesOf(to));
 }
 
-/** Has each step take its memory from the system, as a program does that does the step once.
- * Otherwise a small map's memory is kept from one time to the next, and only large maps pay for
- * theirs. */
-void takeMemoryAnew() {
-  constexpr int kBytes = 1 << 17;  // as malloc begins
-  mallopt(M_MMAP_THRESHOLD, kBytes);
-  mallopt(M_TRIM_THRESHOLD, kBytes);
-}
-
 // ------------------------------------------------------------------------------------------------
 
 using Step = void (*)(State&, const Workload&);
@@ -310,7 +300,6 @@ int run(int argc, char** argv) {
                  "Times each step on pairs of maps: folders with map_a.ot, map_b.ot, T_a_b.txt.\n";
     return 2;
   }
-  takeMemoryAnew();
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   configure(::benchmark::RegisterBenchmark("copy", copy));
   for (int i = 1; i < argc; i++) {
