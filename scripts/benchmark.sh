@@ -113,7 +113,8 @@ run_performance() {
     measured+=("$out/tiled/${tiling%=*}")
   done
   build/bin/step-benchmark "${measured[@]}" --benchmark_min_time=$seconds \
-    --benchmark_repetitions=$repetitions --benchmark_out="$out/steps.json"
+    --benchmark_repetitions=$repetitions --benchmark_enable_random_interleaving=true \
+    --benchmark_out="$out/steps.json"
 }
 
 rm -rf "$out/csv"

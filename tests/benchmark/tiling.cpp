@@ -61,10 +61,6 @@ class TilingVisitor {
   Tiles tiles_;
 };
 
-void writeTree(const octomap::OcTree& tree, const fs::path& path) {
-  mrpt::maps::writeFileAtomically(path.string(), mrpt::maps::toOtFile(tree));
-}
-
 }  // namespace
 
 Tiles tilesFor(const octomap::OcTree& a, const octomap::OcTree& b, uint32_t nx, uint32_t ny) {
@@ -103,11 +99,12 @@ void writeTiledPair(const MapPair& pair, uint32_t nx, uint32_t ny, const std::st
   fs::create_directories(folder);
   const auto b_in_a = mrpt::maps::transformOcTree(*pair.b, pair.T_a_b, pair.a->getResolution());
   const Tiles tiles = tilesFor(*pair.a, *b_in_a, nx, ny);
-  writeTree(*tileMap(*pair.a, tiles), fs::path(folder) / "map_a.ot");
+  mrpt::maps::saveOcTree(*tileMap(*pair.a, tiles), fs::path(folder) / "map_a.ot");
   // One large map at a time, and two where one becomes the other.
-  writeTree(*mrpt::maps::transformOcTree(*tileMap(*b_in_a, tiles), pair.T_a_b.inverse(),
-                                         pair.b->getResolution()),
-            fs::path(folder) / "map_b.ot");
+  mrpt::maps::saveOcTree(
+      *mrpt::maps::transformOcTree(*tileMap(*b_in_a, tiles), pair.T_a_b.inverse(),
+                                   pair.b->getResolution()),
+      fs::path(folder) / "map_b.ot");
   fs::copy_file(fs::path(pair.folder) / "T_a_b.txt", fs::path(folder) / "T_a_b.txt",
                 fs::copy_options::overwrite_existing);
 }

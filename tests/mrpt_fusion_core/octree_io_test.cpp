@@ -358,6 +358,36 @@ TEST(OctreeIo, AFailedWriteKeepsTheOldFileAndLeavesNoOther) {
   EXPECT_EQ(std::vector<std::string>{"map.ot"}, dir.files());
 }
 
+TEST(OctreeIo, AFileThatIsGivenUpHalfwayLeavesNothing) {
+  const TempDir dir;
+  const std::string path = dir.path("map.ot");
+  const auto giveUp = [](const mrpt::maps::ByteSink& sink) {
+    sink(std::string(100, 'x'));
+    throw std::length_error("given up");
+  };
+  EXPECT_THROW(writeFileAtomically(path, giveUp), std::length_error);
+  EXPECT_TRUE(dir.files().empty());
+  writeFileAtomically(path, [](const auto& sink) {
+    sink("in ");
+    sink("pieces");
+  });
+  EXPECT_EQ("in pieces", readRaw(path));
+}
+
+TEST(OctreeIo, ALargeMapIsSavedAsItsBytesAre) {
+  octomap::OcTree tree(0.125);  // of more nodes than go into a block
+  for (int i = 0; i < 20000; i++)
+    tree.updateNode(
+        octomap::OcTreeKey(static_cast<octomap::key_type>(30000 + 7 * (i % 140)),
+                           static_cast<octomap::key_type>(30000 + 5 * (i / 140)), 32768),
+        i % 3 == 0);
+  ASSERT_GT(tree.size(), 40000U);
+  const TempDir dir;
+  mrpt::maps::saveOcTree(tree, dir.path("map.ot"));
+  EXPECT_TRUE(toOtFile(tree) == readRaw(dir.path("map.ot")));
+  EXPECT_TRUE(writtenByOctomap(tree) == readRaw(dir.path("map.ot")));
+}
+
 TEST(OctreeIo, WritingIntoAMissingDirectoryIsAnError) {
   const TempDir dir;
   EXPECT_NE(std::string::npos, errorOf([&] {

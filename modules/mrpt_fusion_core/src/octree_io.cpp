@@ -108,23 +108,69 @@ Header parseHeader(std::string_view bytes) {
   return h;
 }
 
-void writeNode(const octomap::OcTree& tree, const octomap::OcTreeNode* node, std::string& out) {
-  const float log_odds = node->getLogOdds();
-  uint8_t children = 0;
-  for (unsigned i = 0; i < 8; i++)
-    if (tree.nodeChildExists(node, i)) children |= static_cast<uint8_t>(1U << i);
-  out.append(reinterpret_cast<const char*>(&log_odds), sizeof(log_odds));
-  out.push_back(static_cast<char>(children));
-  for (unsigned i = 0; i < 8; i++)
-    if ((children >> i) & 1U) writeNode(tree, tree.getNodeChild(node, i), out);
+/** Gives a sink the nodes of a tree, a block at a time: what a large map's file holds is never in
+ * memory as a whole. */
+class NodeWriter {
+ public:
+  NodeWriter(const octomap::OcTree& tree, const ByteSink& sink) : tree_(tree), sink_(sink) {}
+
+  void writeAll() {
+    if (!tree_.getRoot()) return;
+    write(*tree_.getRoot());
+    flush();
+  }
+
+ private:
+  void write(const octomap::OcTreeNode& node) {
+    const float log_odds = node.getLogOdds();
+    uint8_t children = 0;
+    for (unsigned i = 0; i < 8; i++)
+      if (tree_.nodeChildExists(&node, i)) children |= static_cast<uint8_t>(1U << i);
+    if (block_.size() - used_ < sizeof(log_odds) + sizeof(children)) flush();
+    std::memcpy(&block_[used_], &log_odds, sizeof(log_odds));
+    used_ += sizeof(log_odds);
+    block_[used_++] = static_cast<char>(children);
+    if (!children) return;
+    for (unsigned i = 0; i < 8; i++)
+      if ((children >> i) & 1U) write(*tree_.getNodeChild(&node, i));
+  }
+  void flush() {
+    sink_({block_.data(), used_});
+    used_ = 0;
+  }
+
+  const octomap::OcTree& tree_;
+  const ByteSink& sink_;
+  std::array<char, 1U << 16U> block_;
+  size_t used_ = 0;
+};
+
+/** Collects a file of about so many bytes. */
+template <class Write>
+std::string collected(size_t size, Write&& write) {
+  std::string bytes;
+  bytes.reserve(size);
+  write([&](std::string_view piece) { bytes.append(piece); });
+  return bytes;
 }
+
+constexpr size_t kNodeBytes = 5;
 
 std::string systemError(const std::string& what) { return what + ": " + std::strerror(errno); }
 
-void appendNodes(const octomap::OcTree& tree, std::string& out) {
-  if (!tree.getRoot()) return;
-  out.reserve(out.size() + tree.size() * 5);
-  writeNode(tree, tree.getRoot(), out);
+std::string otHeader(const octomap::OcTree& tree) {
+  char resolution[32] = {};  // shortest text that reads back to the same double
+  std::to_chars(resolution, std::end(resolution), tree.getResolution());
+  std::ostringstream header;
+  header << kOtMagic
+         << "\n# (feel free to add / change comments, but leave the first line as it is!)"
+         << "\n#\nid OcTree\nsize " << tree.size() << "\nres " << resolution << "\ndata\n";
+  return header.str();
+}
+
+void writeOt(const octomap::OcTree& tree, const ByteSink& sink) {
+  sink(otHeader(tree));
+  NodeWriter(tree, sink).writeAll();
 }
 
 }  // namespace
@@ -164,21 +210,14 @@ std::unique_ptr<octomap::OcTree> parseOcTreeFile(std::string_view bytes) {
 }
 
 std::string serializeNodes(const octomap::OcTree& tree) {
-  std::string out;
-  appendNodes(tree, out);
-  return out;
+  return collected(tree.size() * kNodeBytes,
+                   [&](const ByteSink& sink) { NodeWriter(tree, sink).writeAll(); });
 }
 
 std::string toOtFile(const octomap::OcTree& tree) {
-  char resolution[32] = {};  // shortest text that reads back to the same double
-  std::to_chars(resolution, std::end(resolution), tree.getResolution());
-  std::ostringstream header;
-  header << kOtMagic
-         << "\n# (feel free to add / change comments, but leave the first line as it is!)"
-         << "\n#\nid OcTree\nsize " << tree.size() << "\nres " << resolution << "\ndata\n";
-  std::string out = header.str();
-  appendNodes(tree, out);
-  return out;
+  constexpr size_t kHeader = 200;
+  return collected(kHeader + tree.size() * kNodeBytes,
+                   [&](const ByteSink& sink) { writeOt(tree, sink); });
 }
 
 std::string toBtFile(const octomap::OcTree& tree) {
@@ -215,34 +254,46 @@ std::string beginningOf(const std::string& path) {
 }
 
 void saveOcTree(const octomap::OcTree& tree, const std::string& path) {
-  const bool binary = std::filesystem::path(path).extension() == ".bt";
-  writeFileAtomically(path, binary ? toBtFile(tree) : toOtFile(tree));
+  if (std::filesystem::path(path).extension() == ".bt")
+    writeFileAtomically(path, toBtFile(tree));
+  else
+    writeFileAtomically(path, [&](const ByteSink& sink) { writeOt(tree, sink); });
 }
 
 void writeFileAtomically(const std::string& path, std::string_view bytes) {
+  writeFileAtomically(path, [&](const ByteSink& sink) { sink(bytes); });
+}
+
+void writeFileAtomically(const std::string& path,
+                         const std::function<void(const ByteSink&)>& write) {
   // A device or a pipe has no contents to protect, and a rename would replace it by a file.
   struct stat st {};
   const bool in_place = ::stat(path.c_str(), &st) == 0 && !S_ISREG(st.st_mode);
   std::string name = in_place ? path : path + ".XXXXXX";
   const int fd = in_place ? ::open(name.c_str(), O_WRONLY) : ::mkstemp(name.data());
-  const auto fail = [&] {
-    const std::string why = systemError(path + ": cannot be written");
-    if (fd >= 0) ::close(fd);
-    if (fd >= 0 && !in_place) ::unlink(name.c_str());
-    throw std::runtime_error(why);
+  const auto check = [&](bool done) {
+    if (!done) throw std::runtime_error(systemError(path + ": cannot be written"));
   };
-  if (fd < 0) fail();
-  for (size_t done = 0; done < bytes.size();) {
-    const ssize_t n = ::write(fd, bytes.data() + done, bytes.size() - done);
-    if (n < 0 && errno != EINTR) fail();
-    if (n > 0) done += static_cast<size_t>(n);
-  }
-  if (!in_place) {
-    // mkstemp() makes the file private; give it the rights any new file would have.
-    const mode_t mask = ::umask(0);
-    ::umask(mask);
-    if (::fchmod(fd, 0666 & ~mask) != 0 || ::fsync(fd) != 0) fail();
-    if (::rename(name.c_str(), path.c_str()) != 0) fail();
+  check(fd >= 0);
+  try {
+    write([&](std::string_view bytes) {
+      while (!bytes.empty()) {
+        const ssize_t n = ::write(fd, bytes.data(), bytes.size());
+        check(n >= 0 || errno == EINTR);
+        if (n > 0) bytes.remove_prefix(static_cast<size_t>(n));
+      }
+    });
+    if (!in_place) {
+      // mkstemp() makes the file private; give it the rights any new file would have.
+      const mode_t mask = ::umask(0);
+      ::umask(mask);
+      check(::fchmod(fd, 0666 & ~mask) == 0 && ::fsync(fd) == 0 &&
+            ::rename(name.c_str(), path.c_str()) == 0);
+    }
+  } catch (...) {
+    ::close(fd);
+    if (!in_place) ::unlink(name.c_str());
+    throw;
   }
   ::close(fd);
 }

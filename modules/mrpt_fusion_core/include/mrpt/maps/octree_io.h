@@ -3,6 +3,7 @@
 
 #include <octomap/OcTree.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -54,9 +55,18 @@ size_t parseNodes(std::string_view bytes, octomap::OcTree& tree, size_t extra_by
 /** Whole contents of a file. \exception std::runtime_error If it cannot be read, or is empty. */
 std::string readFileBytes(const std::string& path);
 
+/** Takes the bytes of a file in pieces, one after the other. */
+using ByteSink = std::function<void(std::string_view)>;
+
 /** Writes a file so that either all of it is there or nothing has changed: into a temporary file
  * beside \a path, flushed, then renamed.
  * \exception std::runtime_error With the system's reason (full disk, no such directory...). */
 void writeFileAtomically(const std::string& path, std::string_view bytes);
+
+/** \overload
+ * \param[in] write Gives what it is called with all pieces of the file; what it throws leaves
+ * nothing changed either. */
+void writeFileAtomically(const std::string& path,
+                         const std::function<void(const ByteSink&)>& write);
 
 }  // namespace mrpt::maps
