@@ -2,7 +2,9 @@
 #include "report.h"
 
 #include <mrpt/fusion/poses.h>
+#include <mrpt/maps/octree_voxels.h>
 
+#include <algorithm>
 #include <cstdarg>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -150,8 +152,9 @@ MapReport reportOn(const std::string& role, const std::string& path, const octom
   m.resolution = map.getResolution();
   m.nodes = map.size();
   if (map.size() > 0) {
-    map.getMetricMin(m.low[0], m.low[1], m.low[2]);
-    map.getMetricMax(m.high[0], m.high[1], m.high[2]);
+    const Eigen::AlignedBox3d known = mrpt::maps::knownSpace(map);
+    std::copy_n(known.min().data(), 3, m.low);
+    std::copy_n(known.max().data(), 3, m.high);
   }
   m.statistics = mrpt::fusion::statisticsOf(map);
   return m;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <mrpt/fusion/voxels.h>
 #include <mrpt/maps/octree_build.h>
+#include <mrpt/maps/octree_voxels.h>
 
 #include <cmath>
 #include <map>
@@ -92,6 +93,20 @@ TEST(ExtractOccupiedVoxels, RefusesAHugeLeafBeforeTakingMemoryForIt) {
 }
 
 // ---------------------------------------------------------------- entropy and statistics
+
+TEST(KnownSpace, IsTheBoxOfAllLeavesAsOctomapHasIt) {
+  const auto map =
+      MapWriter(0.2).voxel({-3, 7, 2}, kOccupied).box({0, -9, 0}, {15, 6, 15}, kFree).pruned();
+  Eigen::Vector3d low, high;
+  map->getMetricMin(low.x(), low.y(), low.z());
+  map->getMetricMax(high.x(), high.y(), high.z());
+  const auto known = mrpt::maps::knownSpace(*map);
+  EXPECT_LT((known.min() - low).norm(), 1e-9);
+  EXPECT_LT((known.max() - high).norm(), 1e-9);
+  EXPECT_NEAR(known.min().x(), -0.6, 1e-9);
+  EXPECT_DOUBLE_EQ(mrpt::maps::knownSpace(*rootLeaf(kFree)).max().z(), 0.1 * 32768);
+  EXPECT_TRUE(mrpt::maps::knownSpace(octomap::OcTree(0.1)).isEmpty());
+}
 
 TEST(BinaryEntropy, ByHand) {
   EXPECT_DOUBLE_EQ(binaryEntropy(0.5), std::log(2.0));

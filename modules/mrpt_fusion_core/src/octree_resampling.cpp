@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/maps/octree_build.h>
 #include <mrpt/maps/octree_resampling.h>
+#include <mrpt/maps/octree_voxels.h>
 
 #include <algorithm>
 #include <cmath>
@@ -212,11 +213,9 @@ class ResamplingVisitor {
 /** Throws if the known space of \a source does not fit the new grid. */
 void checkFits(const OcTree& source, const Eigen::Isometry3d& T, double resolution) {
   if (!source.getRoot()) return;
-  Eigen::Vector3d low, high;
-  source.getMetricMin(low.x(), low.y(), low.z());
-  source.getMetricMax(high.x(), high.y(), high.z());
-  const Eigen::Vector3d centre = T * (0.5 * (low + high));
-  const Eigen::Vector3d half = T.linear().cwiseAbs() * (0.5 * (high - low));
+  const Eigen::AlignedBox3d known = knownSpace(source);
+  const Eigen::Vector3d centre = T * known.center();
+  const Eigen::Vector3d half = T.linear().cwiseAbs() * (0.5 * known.sizes());
   if ((centre.cwiseAbs() + half).maxCoeff() > (kGridOrigin + 1e-6) * resolution)
     throw std::out_of_range("the transformed map does not fit an octree of this resolution");
 }

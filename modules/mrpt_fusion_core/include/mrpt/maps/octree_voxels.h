@@ -4,6 +4,9 @@
 #include <mrpt/maps/octree_build.h>
 #include <octomap/OcTree.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -54,6 +57,23 @@ void forEachLeaf(const octomap::OcTree& tree, F&& f) {
     detail::forEachLeafBelow(tree, *root, {}, f);
   else
     f(OcTreeCube{}, *root);
+}
+
+/** The box of all that a map knows, occupied or free, m; empty for an empty map. Octomap's
+ * getMetricMin() and getMetricMax() walk through the map as its iterators do, each by itself. */
+inline Eigen::AlignedBox3d knownSpace(const octomap::OcTree& map) {
+  constexpr uint32_t kMost = 1U << OcTreeCube::kMaxDepth;
+  std::array<uint32_t, 3> low{kMost, kMost, kMost}, high{0, 0, 0};
+  forEachLeaf(map, [&](const OcTreeCube& cube, const octomap::OcTreeNode&) {
+    for (unsigned axis = 0; axis < 3; axis++) {
+      low[axis] = std::min<uint32_t>(low[axis], cube.key[axis]);
+      high[axis] = std::max<uint32_t>(high[axis], cube.key[axis] + cube.side());
+    }
+  });
+  const auto corner = [&](const std::array<uint32_t, 3>& k) {
+    return Eigen::Vector3d(map.getResolution() * (Eigen::Array3d(k[0], k[1], k[2]) - 0.5 * kMost));
+  };
+  return {corner(low), corner(high)};
 }
 
 /** Calls `f(const OcTreeKey&)` for each finest voxel of a cube, in the order of the octree. */
