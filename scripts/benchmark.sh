@@ -6,7 +6,7 @@
 # merges, and writes CSV, tables and figures to --out (default build/benchmark or build/benchmark-quick).
 #   --quick      a few starts on one data set: shows that everything works, in minutes
 #   --performance  measure instead how long a match takes beside PCL's, and each step on maps of up to
-#                5 million voxels (doc/performance.md); wants an idle machine and 8 GB of memory
+#                5 million voxels (doc/performance.md); wants an idle machine and 12 GB of memory
 #   --data DIR   also run on the pairs in DIR: each subfolder with map_a.ot, map_b.ot and T_a_b.txt
 #   --page FILE  put the tables and figures into that page, where its markers are
 #   --jobs N     experiments to run at a time, each on one core (default: as many as there are cores)
@@ -102,7 +102,7 @@ run_experiments() {
 
 # One thing at a time: what runs beside it takes cache and memory bandwidth.
 run_performance() {
-  local rounds=5 repetitions=5 seconds=0.5 tilings="500k=2x5 5M=6x16" tiling small=${pairs[0]}
+  local rounds=5 repetitions=7 seconds=0.3 tilings="500k=2x5 5M=6x16" tiling small=${pairs[0]}
   local measured=("$small")
   if $quick; then rounds=1 repetitions=1 seconds=0 tilings="double=1x2"; fi
   for pair in "${pairs[@]}"; do

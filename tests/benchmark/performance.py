@@ -38,6 +38,10 @@ def read_steps(path):
     except (ValueError, KeyError) as error:
         raise ReportError(f"{path}: is not what step-benchmark writes: {error!r}") from None
     names = ("bytes", "cpu_ns", "ns_per_voxel", "voxels")
+    # They ran in any order: by the page's and, of each step, the smallest pair first.
+    order = list(STEPS)
+    rows.sort(key=lambda row: (order.index(row["step"]) if row["step"] in STEPS else -1,
+                               row["voxels"]))
     return {step: {pair: {name: median(of_pair, name) for name in names}
                    for pair, of_pair in group(of_step, "pair").items()}
             for step, of_step in group(rows, "step").items()}

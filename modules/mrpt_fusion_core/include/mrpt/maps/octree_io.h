@@ -64,8 +64,8 @@ using ByteSink = std::function<void(std::string_view)>;
 void writeFileAtomically(const std::string& path, std::string_view bytes);
 
 /** \overload
- * \param[in] write Gives what it is called with all pieces of the file; what it throws leaves
- * nothing changed either. */
+ * \param[in] path As above. \param[in] write Gives what it is called with all pieces of the file;
+ * what it throws leaves nothing changed either. */
 void writeFileAtomically(const std::string& path,
                          const std::function<void(const ByteSink&)>& write);
 
