@@ -207,6 +207,7 @@ void search(State& state, const Workload& w) {
   const size_t stride = all.voxels.size() / 1000 + 1;
   for (size_t i = 0; i < all.voxels.size(); i += stride) {
     few.voxels.centre.push_back(all.voxels.centre[i]);
+    few.voxels.key.push_back(all.voxels.key[i]);
     few.surfaces.normal.push_back(all.surfaces.normal[i]);
   }
   measure(state, [&] {

@@ -21,15 +21,25 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
   return m;
 }
 
-/** The sums over parts of the pairs: what is added up when does not hang on the threads. */
-template <class Sums, class Add>
-std::vector<Sums> sumsOfParts(const Pairs& pairs, Add&& add) {
+/** Has an element in the cache by the time that it is needed. */
+template <class T>
+void prefetch(const std::vector<T>& v, size_t i) {
+  __builtin_prefetch(&v[i]);
+}
+
+/** The sums over parts of the pairs: what is added up when does not hang on the threads. The model
+ * voxels of pairs lie anywhere in memory: \a term is told of them a little ahead. */
+template <class Sums, class TermOf, class Add>
+std::vector<Sums> sumsOfParts(const Pairs& pairs, const TermOf& term, Add&& add) {
   constexpr size_t kPairs = 2000;  // of a part
+  constexpr size_t kAhead = 12;
   std::vector<Sums> parts((pairs.size() + kPairs - 1) / kPairs);
   forEachIndex(parts.size(), 1, [&](size_t part) {
     Sums sums{};
-    for (size_t i = part * kPairs; i < std::min(pairs.size(), (part + 1) * kPairs); i++)
+    for (size_t i = part * kPairs; i < std::min(pairs.size(), (part + 1) * kPairs); i++) {
+      if (i + kAhead < pairs.size()) term.prefetch(pairs[i + kAhead]);
       add(sums, pairs[i]);
+    }
     parts[part] = sums;
   });
   return parts;
@@ -56,7 +66,7 @@ double squaredLength(const Eigen::Vector3d& e, const Weight& W) {
  * Moving by xi takes e to e - J xi with J = [I, -[r]x] at r = q - c. */
 template <class TermOf>
 NormalEquations sumOf(const std::vector<Eigen::Vector3f>& scene, const Pairs& pairs,
-                      const Eigen::Isometry3d& T, TermOf&& term) {
+                      const Eigen::Isometry3d& T, const TermOf& term) {
   NormalEquations n;
   if (pairs.empty()) return n;
   for (const Pair& p : pairs) n.centre += scene[p.scene].cast<double>();
@@ -66,7 +76,7 @@ NormalEquations sumOf(const std::vector<Eigen::Vector3f>& scene, const Pairs& pa
     Vector6d g = Vector6d::Zero();
     double error = 0;
   };
-  const auto parts = sumsOfParts<Sums>(pairs, [&](Sums& sums, const Pair& p) {
+  const auto parts = sumsOfParts<Sums>(pairs, term, [&](Sums& sums, const Pair& p) {
     const Eigen::Vector3d q = T * scene[p.scene].cast<double>();
     const auto [e, weight] = term(p, q);
     const Eigen::Matrix3d W = matrixOf(weight);
@@ -94,8 +104,8 @@ NormalEquations sumOf(const std::vector<Eigen::Vector3f>& scene, const Pairs& pa
 /** The error alone. */
 template <class TermOf>
 double errorOf(const std::vector<Eigen::Vector3f>& scene, const Pairs& pairs,
-               const Eigen::Isometry3d& T, TermOf&& term) {
-  const auto parts = sumsOfParts<double>(pairs, [&](double& sum, const Pair& p) {
+               const Eigen::Isometry3d& T, const TermOf& term) {
+  const auto parts = sumsOfParts<double>(pairs, term, [&](double& sum, const Pair& p) {
     const auto [e, W] = term(p, T * scene[p.scene].cast<double>());
     sum += squaredLength(e, W);
   });
@@ -106,7 +116,7 @@ double errorOf(const std::vector<Eigen::Vector3f>& scene, const Pairs& pairs,
 template <class TermOf>
 GradientScatter scatterOf(const std::vector<Eigen::Vector3f>& scene, const Pairs& pairs,
                           const Eigen::Isometry3d& T, const Eigen::Vector3d& centre, double side,
-                          TermOf&& term) {
+                          const TermOf& term) {
   std::map<std::array<int, 3>, Vector6d> patches;
   for (const Pair& p : pairs) {
     const Eigen::Vector3d s = scene[p.scene].cast<double>(), q = T * s;
@@ -164,67 +174,110 @@ class SurfaceWeight {
   double of_all_, of_sum_, of_difference_;
 };
 
-auto edgeTerm(const EdgeVoxels& model, const EdgeVoxels& scene, const Eigen::Isometry3d& T_a_b,
-              VoxelCovariance kind) {
-  const auto fused = [kind](const EdgeVoxels& edges, uint32_t i) {
+/** Of two edge voxels, by what is known of each one's place. */
+class EdgeTerm {
+ public:
+  EdgeTerm(const EdgeVoxels& model, const EdgeVoxels& scene, const Eigen::Isometry3d& T_a_b,
+           VoxelCovariance kind)
+      : model_(model), scene_(scene), R_(T_a_b.linear()), kind_(kind) {}
+
+  Term<Eigen::Matrix3d> operator()(const Pair& p, const Eigen::Vector3d& q) const {
+    return {model_.centre[p.model].cast<double>() - q,
+            (fused(model_, p.model) + R_ * fused(scene_, p.scene) * R_.transpose()).inverse()};
+  }
+  void prefetch(const Pair&) const {}  // these are few
+
+ private:
+  Eigen::Matrix3d fused(const EdgeVoxels& edges, uint32_t i) const {
     // Across a perfect line the neighbours do not spread, but each sits somewhere in its voxel.
     const double within_voxel = edges.resolution * edges.resolution / 12;
-    return fuseCovariances(voxelVariance(edges.probability[i], edges.resolution, kind),
+    return fuseCovariances(voxelVariance(edges.probability[i], edges.resolution, kind_),
                            edges.covariance[i].matrix(within_voxel));
-  };
-  const Eigen::Matrix3d R = T_a_b.linear();
-  return [&, fused, R](const Pair& p, const Eigen::Vector3d& q) -> Term<Eigen::Matrix3d> {
-    return {model.centre[p.model].cast<double>() - q,
-            (fused(model, p.model) + R * fused(scene, p.scene) * R.transpose()).inverse()};
-  };
-}
+  }
 
-auto voxelTerm(const OccupiedVoxels& model, const OccupiedVoxels& scene) {
-  return [&](const Pair& p, const Eigen::Vector3d& q) -> Term<Eigen::Matrix3d> {
-    return {model.centre[p.model].cast<double>() - q,
-            occupancyFactor(model, scene, p) * Eigen::Matrix3d::Identity()};
-  };
-}
+  const EdgeVoxels &model_, &scene_;
+  const Eigen::Matrix3d R_;
+  const VoxelCovariance kind_;
+};
 
-auto surfaceTerm(const OccupiedVoxels& model, const Surfaces& model_surface,
-                 const OccupiedVoxels& scene, const Surfaces& scene_surface,
-                 const Eigen::Isometry3d& T_a_b, double flatness) {
-  const Eigen::Matrix3d R = T_a_b.linear();
-  return [&, R, flatness](const Pair& p, const Eigen::Vector3d& q) -> Term<SurfaceWeight> {
-    const double weight = static_cast<double>(scene_surface.weight[p.scene]);
-    return {model_surface.point[p.model].cast<double>() - q,
-            {model_surface.normal[p.model].cast<double>(),
-             R * scene_surface.normal[p.scene].cast<double>(), flatness,
-             weight * occupancyFactor(model, scene, p)}};
-  };
-}
+/** Of two voxels, by their occupancy alone. */
+class VoxelTerm {
+ public:
+  VoxelTerm(const OccupiedVoxels& model, const OccupiedVoxels& scene)
+      : model_(model), scene_(scene) {}
+
+  Term<Eigen::Matrix3d> operator()(const Pair& p, const Eigen::Vector3d& q) const {
+    return {model_.centre[p.model].cast<double>() - q,
+            occupancyFactor(model_, scene_, p) * Eigen::Matrix3d::Identity()};
+  }
+  void prefetch(const Pair& p) const {
+    fusion::prefetch(model_.centre, p.model);
+    fusion::prefetch(model_.probability, p.model);
+  }
+
+ private:
+  const OccupiedVoxels &model_, &scene_;
+};
+
+/** Of two pieces of surface. */
+class SurfaceTerm {
+ public:
+  SurfaceTerm(const OccupiedVoxels& model, const Surfaces& model_surface,
+              const OccupiedVoxels& scene, const Surfaces& scene_surface,
+              const Eigen::Isometry3d& T_a_b, double flatness)
+      : model_(model),
+        scene_(scene),
+        model_surface_(model_surface),
+        scene_surface_(scene_surface),
+        R_(T_a_b.linear()),
+        flatness_(flatness) {}
+
+  Term<SurfaceWeight> operator()(const Pair& p, const Eigen::Vector3d& q) const {
+    const double weight = static_cast<double>(scene_surface_.weight[p.scene]);
+    return {model_surface_.point[p.model].cast<double>() - q,
+            {model_surface_.normal[p.model].cast<double>(),
+             R_ * scene_surface_.normal[p.scene].cast<double>(), flatness_,
+             weight * occupancyFactor(model_, scene_, p)}};
+  }
+  void prefetch(const Pair& p) const {
+    fusion::prefetch(model_surface_.point, p.model);
+    fusion::prefetch(model_surface_.normal, p.model);
+    fusion::prefetch(model_.probability, p.model);
+  }
+
+ private:
+  const OccupiedVoxels &model_, &scene_;
+  const Surfaces &model_surface_, &scene_surface_;
+  const Eigen::Matrix3d R_;
+  const double flatness_;
+};
 
 }  // namespace
 
 NormalEquations linearizeEdges(const EdgeVoxels& model, const EdgeVoxels& scene, const Pairs& pairs,
                                const Eigen::Isometry3d& T_a_b, VoxelCovariance kind) {
-  return sumOf(scene.centre, pairs, T_a_b, edgeTerm(model, scene, T_a_b, kind));
+  return sumOf(scene.centre, pairs, T_a_b, EdgeTerm(model, scene, T_a_b, kind));
 }
 
 double edgeError(const EdgeVoxels& model, const EdgeVoxels& scene, const Pairs& pairs,
                  const Eigen::Isometry3d& T_a_b, VoxelCovariance kind) {
-  return errorOf(scene.centre, pairs, T_a_b, edgeTerm(model, scene, T_a_b, kind));
+  return errorOf(scene.centre, pairs, T_a_b, EdgeTerm(model, scene, T_a_b, kind));
 }
 
 NormalEquations linearizeVoxels(const OccupiedVoxels& model, const OccupiedVoxels& scene,
                                 const Pairs& pairs, const Eigen::Isometry3d& T_a_b) {
-  return sumOf(scene.centre, pairs, T_a_b, voxelTerm(model, scene));
+  return sumOf(scene.centre, pairs, T_a_b, VoxelTerm(model, scene));
 }
 
 double voxelError(const OccupiedVoxels& model, const OccupiedVoxels& scene, const Pairs& pairs,
                   const Eigen::Isometry3d& T_a_b) {
-  return errorOf(scene.centre, pairs, T_a_b, voxelTerm(model, scene));
+  return errorOf(scene.centre, pairs, T_a_b, VoxelTerm(model, scene));
 }
 
 GradientScatter scatterVoxels(const OccupiedVoxels& model, const OccupiedVoxels& scene,
                               const Pairs& pairs, const Eigen::Isometry3d& T_a_b,
                               const Eigen::Vector3d& centre, double side) {
-  return scatterOf(scene.centre, pairs, T_a_b, centre, side, voxelTerm(model, scene));
+  return scatterOf(scene.centre, pairs, T_a_b, centre, side, VoxelTerm(model, scene));
 }
 
 NormalEquations linearizeSurfaces(const OccupiedVoxels& model, const Surfaces& model_surface,
@@ -232,14 +285,14 @@ NormalEquations linearizeSurfaces(const OccupiedVoxels& model, const Surfaces& m
                                   const Pairs& pairs, const Eigen::Isometry3d& T_a_b,
                                   double flatness) {
   return sumOf(scene_surface.point, pairs, T_a_b,
-               surfaceTerm(model, model_surface, scene, scene_surface, T_a_b, flatness));
+               SurfaceTerm(model, model_surface, scene, scene_surface, T_a_b, flatness));
 }
 
 double surfaceError(const OccupiedVoxels& model, const Surfaces& model_surface,
                     const OccupiedVoxels& scene, const Surfaces& scene_surface, const Pairs& pairs,
                     const Eigen::Isometry3d& T_a_b, double flatness) {
   return errorOf(scene_surface.point, pairs, T_a_b,
-                 surfaceTerm(model, model_surface, scene, scene_surface, T_a_b, flatness));
+                 SurfaceTerm(model, model_surface, scene, scene_surface, T_a_b, flatness));
 }
 
 GradientScatter scatterSurfaces(const OccupiedVoxels& model, const Surfaces& model_surface,
@@ -247,7 +300,7 @@ GradientScatter scatterSurfaces(const OccupiedVoxels& model, const Surfaces& mod
                                 const Pairs& pairs, const Eigen::Isometry3d& T_a_b, double flatness,
                                 const Eigen::Vector3d& centre, double side) {
   return scatterOf(scene_surface.point, pairs, T_a_b, centre, side,
-                   surfaceTerm(model, model_surface, scene, scene_surface, T_a_b, flatness));
+                   SurfaceTerm(model, model_surface, scene, scene_surface, T_a_b, flatness));
 }
 
 Eigen::Isometry3d expSE3(const Vector6d& xi) {

@@ -320,24 +320,25 @@ Eigen::AlignedBox3d boxOf(const Points& points, const Eigen::Isometry3d& T) {
   return box;
 }
 
-/** The box without the outermost points, one of 200 along each axis and to each side: stray returns
+/** The box without the outermost voxels, one of 200 along each axis and to each side: stray returns
  * lie far from a map, and tell nothing of where another can lie. */
-Eigen::AlignedBox3d boxOfMost(const Points& points) {
+Eigen::AlignedBox3d boxOfMost(const OccupiedVoxels& voxels) {
   Eigen::AlignedBox3d box;
-  const auto stray = static_cast<std::ptrdiff_t>(points.size() / 200);
-  if (points.empty()) return box;
-  forEachIndex(3, 1, [&](size_t axis) {
-    const auto i = static_cast<Eigen::Index>(axis);
-    std::vector<float> along(points.size());
-    std::transform(points.begin(), points.end(), along.begin(),
-                   [i](const auto& p) { return p[i]; });
-    const auto nth = [&](std::ptrdiff_t n) {
-      std::nth_element(along.begin(), along.begin() + n, along.end());
-      return static_cast<double>(along[static_cast<size_t>(n)]);
+  const size_t stray = voxels.key.size() / 200;
+  if (voxels.key.empty()) return box;
+  for (unsigned axis = 0; axis < 3; axis++) {
+    std::vector<uint32_t> layers(size_t{std::numeric_limits<octomap::key_type>::max()} + 1);
+    for (const auto& key : voxels.key) layers[key[axis]]++;
+    const double origin = 0.5 * static_cast<double>(layers.size());
+    const auto middleOf = [&](size_t key) {  // as OccupiedVoxels::centre, bit for bit
+      return static_cast<float>(voxels.resolution * (static_cast<double>(key) - origin + 0.5));
     };
-    box.min()[i] = nth(stray);
-    box.max()[i] = nth(static_cast<std::ptrdiff_t>(along.size()) - 1 - stray);
-  });
+    size_t low = 0, high = layers.size() - 1;
+    for (size_t outside = layers[low]; outside <= stray;) outside += layers[++low];
+    for (size_t outside = layers[high]; outside <= stray;) outside += layers[--high];
+    box.min()[axis] = middleOf(low);
+    box.max()[axis] = middleOf(high);
+  }
   return box;
 }
 
@@ -408,10 +409,10 @@ class PoseSearch {
              const SurfaceVoxels& b, const Eigen::Isometry3d& T_a_b, const SearchParams& params)
       : map_a_(map_a), a_(a), params_(params), walls_(surfaces_a.normal, b.surfaces.normal, T_a_b) {
     heights_ = {-params.height, params.height};
-    const Eigen::AlignedBox3d most = boxOfMost(b.voxels.centre);
+    const Eigen::AlignedBox3d most = boxOfMost(b.voxels);
     for (const auto& p : b.voxels.centre)
       if (most.contains(p.cast<double>())) points_.push_back(p);
-    box_a_ = boxOfMost(a.centre);
+    box_a_ = boxOfMost(a);
     const Eigen::Vector3d middle = T_a_b * meanOf(points_);
     for (const auto& p : points_)
       radius_ = std::max(radius_, (T_a_b * p.cast<double>() - middle).head<2>().norm());

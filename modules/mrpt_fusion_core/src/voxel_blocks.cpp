@@ -8,14 +8,15 @@
 namespace mrpt::fusion {
 namespace {
 
-/** The indices of keys in the octree's order: the one that they mostly have already. */
+/** The indices of keys in the octree's order; none if they are in it, as they mostly are. */
 std::vector<uint32_t> inOctreeOrder(const std::vector<octomap::OcTreeKey>& keys) {
-  std::vector<uint32_t> index(keys.size());
-  std::iota(index.begin(), index.end(), 0);
+  std::vector<uint32_t> index;
   uint64_t last = 0;
   for (const octomap::OcTreeKey& key : keys) {
     const uint64_t order = octreeOrder(key);
     if (order < last) {
+      index.resize(keys.size());
+      std::iota(index.begin(), index.end(), 0);
       std::sort(index.begin(), index.end(), [&](uint32_t a, uint32_t b) {
         return octreeOrder(keys[a]) < octreeOrder(keys[b]);
       });
@@ -42,15 +43,17 @@ void VoxelBlocks::add(Cells& cells, int cell, uint32_t content) {
 
 VoxelBlocks::VoxelBlocks(const std::vector<octomap::OcTreeKey>& keys)
     : voxels_(inOctreeOrder(keys)) {
-  const auto keyAt = [&](size_t i) -> const octomap::OcTreeKey& { return keys[voxels_[i]]; };
+  const auto keyAt = [&](size_t i) -> const octomap::OcTreeKey& {
+    return keys[voxels_.empty() ? i : voxels_[i]];
+  };
   size_t blocks = 0, groups = 0;
-  for (size_t i = 0; i < voxels_.size(); i++) {
+  for (size_t i = 0; i < keys.size(); i++) {
     if (i > 0 && shareCube(keyAt(i), keyAt(i - 1), 2)) continue;
     blocks++;
     if (i == 0 || !shareCube(keyAt(i), keyAt(i - 1), 4)) groups++;
   }
   blocks_.reserve(blocks);
-  for (size_t i = 0; i < voxels_.size(); i++) {
+  for (size_t i = 0; i < keys.size(); i++) {
     const octomap::OcTreeKey& k = keyAt(i);
     if (i == 0 || !shareCube(k, keyAt(i - 1), 2))
       blocks_.emplace_back().place = {k[0] >> 2, k[1] >> 2, k[2] >> 2};

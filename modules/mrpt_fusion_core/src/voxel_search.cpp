@@ -3,14 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 
 namespace mrpt::fusion {
-
-VoxelSearch::VoxelSearch(const std::vector<Eigen::Vector3f>& points, double cell)
-    : points_(points) {
-  build(cell);
-}
 
 namespace {
 constexpr double kKeys = 65536;  // along an axis
@@ -21,23 +17,25 @@ constexpr double kRounding = 1e-2;
 double slackOf(double off_centre) { return std::sqrt(0.75) + off_centre + kRounding; }
 }  // namespace
 
+VoxelSearch::VoxelSearch(const std::vector<Eigen::Vector3f>& points, double cell)
+    : points_(points) {
+  build(cell);
+}
+
 VoxelSearch::VoxelSearch(const std::vector<Eigen::Vector3f>& voxels, double resolution,
                          const VoxelBlocks& blocks)
     : points_(voxels),
       cell_(static_cast<float>(resolution)),
       slack_(slackOf(kRounding)),
-      blocks_(&blocks),
-      first_(voxels.size() + 1),
-      point_(voxels.size()) {
+      blocks_(&blocks) {
   low_.setConstant(static_cast<float>(-0.5 * kKeys * resolution));
-  std::iota(first_.begin(), first_.end(), 0);
-  std::iota(point_.begin(), point_.end(), 0);
 }
 
 void VoxelSearch::build(double cell) {
   const std::vector<Eigen::Vector3f>& points = points_;
   rings_.clear();
-  first_ = {0};
+  first_.clear();
+  point_.clear();
   if (points.empty()) return;
   Eigen::Vector3f high = points[0];
   low_ = points[0];
@@ -66,17 +64,23 @@ void VoxelSearch::build(double cell) {
   }
   slack_ = slackOf(std::sqrt(off_centre));
 
+  std::vector<uint64_t> order(points.size());
+  std::transform(keys.begin(), keys.end(), order.begin(), octreeOrder);
+  // The first two that are not one after the other, in different cells.
+  const auto together =
+      std::adjacent_find(order.begin(), order.end(), std::greater_equal<uint64_t>());
+  if (together == order.end()) {
+    own_ = VoxelBlocks(keys);
+    blocks_ = &own_;
+    return;
+  }
   point_.resize(points.size());
   std::iota(point_.begin(), point_.end(), 0);
-  const auto before = [&](uint32_t i, uint32_t j) {
-    return octreeOrder(keys[i]) < octreeOrder(keys[j]);
-  };
-  if (!std::is_sorted(point_.begin(), point_.end(), before))
-    std::stable_sort(point_.begin(), point_.end(), before);
+  std::stable_sort(point_.begin(), point_.end(),
+                   [&](uint32_t i, uint32_t j) { return order[i] < order[j]; });
   std::vector<octomap::OcTreeKey> cells;
-  first_.clear();
   for (uint32_t k = 0; k < point_.size(); k++)
-    if (k == 0 || keys[point_[k]] != keys[point_[k - 1]]) {
+    if (k == 0 || order[point_[k]] != order[point_[k - 1]]) {
       cells.push_back(keys[point_[k]]);
       first_.push_back(k);
     }

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -58,21 +59,22 @@ class VoxelSearch {
       return best;
     }
     float squared_of_best = best.others;
+    const auto compare = [&](uint32_t i) {
+      const float squared = (points_[i] - p).squaredNorm(), d = squared + extra(i);
+      if (i == best.index) {
+        squared_of_best = squared;
+      } else if (d < best.distance ||  // the gate itself is outside
+                 (d == best.distance && i < best.index && best.index != kNone)) {
+        best = {i, d, std::min(best.others, squared_of_best)};
+        squared_of_best = squared;
+      } else {
+        best.others = std::min(best.others, squared);
+      }
+    };
     const auto look = [&](const Ring& ring) {
       blocks_->forEachAround(at, ring.ball, [&](uint32_t c, const VoxelBlocks::Offset&) {
-        for (uint32_t k = first_[c]; k < first_[c + 1]; k++) {
-          const uint32_t i = point_[k];
-          const float squared = (points_[i] - p).squaredNorm(), d = squared + extra(i);
-          if (i == best.index) {
-            squared_of_best = squared;
-          } else if (d < best.distance ||  // the gate itself is outside
-                     (d == best.distance && i < best.index && best.index != kNone)) {
-            best = {i, d, std::min(best.others, squared_of_best)};
-            squared_of_best = squared;
-          } else {
-            best.others = std::min(best.others, squared);
-          }
-        }
+        if (first_.empty()) return compare(c);
+        for (uint32_t k = first_[c]; k < first_[c + 1]; k++) compare(point_[k]);
       });
     };
     look(rings_.front());
@@ -112,7 +114,7 @@ class VoxelSearch {
   double gate_ = -1;     // m
   VoxelBlocks own_;      // if none are given
   const VoxelBlocks* blocks_ = &own_;    // cells that hold points
-  std::vector<uint32_t> first_, point_;  // the points of each cell
+  std::vector<uint32_t> first_, point_;  // the points of each cell; none: one in each, in order
   std::vector<Ring> rings_;
   VoxelBlocks::Surroundings surroundings_;  // as far as the last ring
 };

@@ -159,7 +159,7 @@ class VoxelBlocks {
 
     uint32_t at(int cell) const { return first + rank[static_cast<size_t>(cell)]; }
   };
-  struct Block : Cells {                // of voxels_
+  struct Block : Cells {                // of the voxels
     Place place{};                      // its key, in blocks
     std::array<uint32_t, 27> beside{};  // those around it, x fastest, or kNone
   };
@@ -224,7 +224,7 @@ class VoxelBlocks {
       {0, 0x000000000F0F0F0F, 0x00000000FFFFFFFF, 0x0F0F0F0FFFFFFFFF, ~uint64_t{0}}};
 
   std::vector<Block> blocks_;     // in the order of the octree
-  std::vector<uint32_t> voxels_;  // of all blocks
+  std::vector<uint32_t> voxels_;  // of all blocks; none: they are in the octree's order
   std::vector<Slot> slots_;
   uint64_t slot_mask_ = 0;
 };
@@ -310,7 +310,8 @@ void VoxelBlocks::forEachAround(const Place& place, const Ball& ball, F&& f) con
     const auto [bx, by, bz] = block.place;
     for (; found; found &= found - 1) {
       const int other = __builtin_ctzll(found);
-      f(voxels_[block.at(other)],
+      const uint32_t voxel = block.at(other);
+      f(voxels_.empty() ? voxel : voxels_[voxel],
         Offset{4 * bx + xOf(other) - x, 4 * by + yOf(other) - y, 4 * bz + zOf(other) - z});
     }
     return false;
