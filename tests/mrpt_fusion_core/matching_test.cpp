@@ -209,7 +209,7 @@ TEST_F(Matching, RecordsThePoseThatEachIterationReached) {
 
 TEST_F(Matching, AgreementIsHighestAtTheTruth) {
   const auto& [a, b] = std::tie(maps().a, maps().b);
-  const Obstacles of_a = obstaclesOf(*a.map, a.matched), of_b = obstaclesOf(*b.map, b.matched);
+  const Obstacles of_a = obstaclesOf(a, a.matched), of_b = obstaclesOf(b, b.matched);
   const double best = agreement(a, of_a, b, of_b, truth);
   for (const auto& off : {poseOf(0.5, 0, 0, 0), poseOf(0, -0.5, 0, 0), poseOf(0, 0, 0.4, 0),
                           poseOf(0, 0, 0, 5), poseOf(2, 1, 0, 10), poseOf(40, 0, 0, 0)})

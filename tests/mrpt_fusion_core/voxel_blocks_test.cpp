@@ -90,6 +90,30 @@ TEST(VoxelBlocks, GiveWhatLiesBetweenTwoRadii) {
   }
 }
 
+TEST(VoxelBlocks, KnowTheVoxelAtAPlaceWhateverTheirOrder) {
+  std::mt19937 random(6);
+  auto keys = randomKeys(300, 32760, 32773, random);
+  for (const bool in_octree_order : {false, true}) {
+    if (in_octree_order)
+      std::sort(keys.begin(), keys.end(),
+                [](const auto& a, const auto& b) { return octreeOrder(a) < octreeOrder(b); });
+    const VoxelBlocks blocks(keys);
+    std::map<Place, uint32_t> there;
+    for (uint32_t i = 0; i < keys.size(); i++) there[placeOf(keys[i])] = i;
+    for (int x = 32755; x < 32780; x++)
+      for (int y = 32755; y < 32780; y++)
+        for (int z = 32755; z < 32780; z++) {
+          const auto twin = there.find({x, y, z});
+          const auto found = blocks.at({x, y, z});
+          ASSERT_EQ(found.has_value(), twin != there.end());
+          if (found) {
+            ASSERT_EQ(*found, twin->second);
+          }
+        }
+    expectSameAsTwin(keys, 2.5);
+  }
+}
+
 TEST(VoxelBlocks, DoNotWrapAroundAtTheEndsOfTheKeyRange) {
   expectSameAsTwin({{0, 0, 0}, {65535, 65535, 65535}, {0, 65535, 7}, {65535, 0, 7}, {1, 1, 1}}, 6);
 }

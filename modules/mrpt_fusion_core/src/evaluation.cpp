@@ -63,7 +63,7 @@ Finding findingAt(const MapVoxels& map, const Eigen::Vector3d& p) {
   octomap::OcTreeKey key;
   if (!map.map->coordToKeyChecked(p.x(), p.y(), p.z(), key)) return Finding::Unknown;
   if (map.occupied.anyAround({key[0], key[1], key[2]}, beside)) return Finding::Agrees;
-  return map.map->search(key) ? Finding::Conflicts : Finding::Unknown;
+  return map.free.has(key) ? Finding::Conflicts : Finding::Unknown;
 }
 
 FreeSpaceCheck checkFreeSpace(const MapVoxels& model, const OccupiedVoxels& scene,

@@ -386,12 +386,12 @@ class PoseComparison {
     const double cell = params.search.cell;
     tbb::parallel_invoke(
         [&] {
-          of_a_ = obstaclesOf(*a.map, fewOf(a.matched, cell, voxels));
+          of_a_ = obstaclesOf(a, fewOf(a.matched, cell, voxels));
           association.prepare(widestGate(a, b, params));
         },
         [&] {
           few_b_ = fewOf(b.matched, cell, voxels);
-          of_b_ = obstaclesOf(*b.map, few_b_);
+          of_b_ = obstaclesOf(b, few_b_);
           H_m_ = occupancyUncertainty(a.matched.voxels.probability, few_b_.voxels.probability);
         });
   }
@@ -568,11 +568,9 @@ Evaluation judgeMatch(const MapFeatures& a, const MapFeatures& b, const MatchPar
 namespace {
 
 /** Whether a map has seen free space at a point. */
-bool isFree(const octomap::OcTree& map, const Eigen::Vector3d& p) {
+bool isFree(const MapVoxels& map, const Eigen::Vector3d& p) {
   octomap::OcTreeKey key;
-  if (!map.coordToKeyChecked(p.x(), p.y(), p.z(), key)) return false;
-  const octomap::OcTreeNode* node = map.search(key);
-  return node && !map.isNodeOccupied(node);
+  return map.map->coordToKeyChecked(p.x(), p.y(), p.z(), key) && map.free.has(key);
 }
 
 /** Beyond the thickness of a surface, and of what two grids make of it, in voxels. */
@@ -593,7 +591,7 @@ Testimony testimonyOf(const MapVoxels& map, const Obstacles& obstacles, double r
     const Finding finding = findingAt(map, T * centre);
     if (finding == Finding::Agrees) {
       const Eigen::Vector3d front = obstacles.front[i].cast<double>();
-      const bool same_side = front.isZero(0) || isFree(*map.map, T * (centre + before * front));
+      const bool same_side = front.isZero(0) || isFree(map, T * (centre + before * front));
       t.confirmed += same_side ? 1 : kOtherSide;
     } else if (finding == Finding::Conflicts) {
       t.contradicted++;
@@ -604,7 +602,7 @@ Testimony testimonyOf(const MapVoxels& map, const Obstacles& obstacles, double r
 
 }  // namespace
 
-Obstacles obstaclesOf(const octomap::OcTree& map, const SurfaceVoxels& voxels) {
+Obstacles obstaclesOf(const MapVoxels& map, const SurfaceVoxels& voxels) {
   Obstacles obstacles{voxels.voxels.centre, voxels.surfaces.normal};
   const double before = kBeforeSurface * voxels.voxels.resolution;
   for (size_t i = 0; i < obstacles.centre.size(); i++) {

@@ -7,7 +7,10 @@
 #include <limits>
 
 namespace mrpt::fusion {
-OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map, size_t max_voxels) {
+namespace {
+
+template <class OnFree>
+OccupiedVoxels extract(const octomap::OcTree& map, size_t max_voxels, OnFree&& on_free) {
   OccupiedVoxels voxels;
   voxels.resolution = map.getResolution();
   // More than most maps have, so that the arrays need not grow; what stays unused is not touched.
@@ -16,13 +19,29 @@ OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map, size_t max_voxe
   voxels.probability.reserve(enough);
   voxels.key.reserve(enough);
   mrpt::maps::forEachOccupiedVoxel(
-      map, max_voxels, [&](const octomap::OcTreeKey& key, float probability) {
+      map, max_voxels,
+      [&](const octomap::OcTreeKey& key, float probability) {
         voxels.centre.emplace_back(static_cast<float>(map.keyToCoord(key[0])),
                                    static_cast<float>(map.keyToCoord(key[1])),
                                    static_cast<float>(map.keyToCoord(key[2])));
         voxels.probability.push_back(probability);
         voxels.key.push_back(key);
-      });
+      },
+      on_free);
+  return voxels;
+}
+
+}  // namespace
+
+OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map, size_t max_voxels) {
+  return extract(map, max_voxels, mrpt::maps::IgnoreCube());
+}
+
+OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map, FreeSpace& free,
+                                     size_t max_voxels) {
+  OccupiedVoxels voxels =
+      extract(map, max_voxels, [&](const mrpt::maps::OcTreeCube& leaf) { free.add(leaf); });
+  free.index();
   return voxels;
 }
 

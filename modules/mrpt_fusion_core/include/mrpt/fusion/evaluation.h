@@ -82,15 +82,16 @@ double probabilityOfBeingRight(double overlap, double conflict_ratio, double run
  * direction that is known least. */
 double probabilityOfStaying(const PoseDeviation& deviation);
 
-/** A map and its occupied voxels. */
+/** A map, and its voxels. */
 struct MapVoxels {
   MapVoxels() = default;
   /** Extracts them. \param[in] of Not owned, must outlive this. */
   explicit MapVoxels(const octomap::OcTree& of)
-      : map(&of), voxels(extractOccupiedVoxels(of)), occupied(voxels.key) {}
+      : map(&of), voxels(extractOccupiedVoxels(of, free)), occupied(voxels.key) {}
 
-  const octomap::OcTree* map = nullptr;  ///< not owned, must outlive this
-  OccupiedVoxels voxels;                 ///< all
+  const octomap::OcTree* map = nullptr;  ///< not owned, must outlive this, and stay as it is
+  FreeSpace free;                        ///< all free voxels
+  OccupiedVoxels voxels;                 ///< all occupied ones
   VoxelBlocks occupied;                  ///< the same, by their place
 };
 

@@ -190,7 +190,7 @@ struct Obstacles {
   std::vector<Eigen::Vector3f> front;
 };
 /** The obstacles that a map's surface voxels are, with the side from which it has seen them. */
-Obstacles obstaclesOf(const octomap::OcTree& map, const SurfaceVoxels& voxels);
+Obstacles obstaclesOf(const MapVoxels& map, const SurfaceVoxels& voxels);
 
 /** How well two maps agree at a pose, by some obstacles of each (not in the paper): how many of
  * them the other map confirms, times exp(-r / 0.02) where a share r of those that it can tell of

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace mrpt::fusion {
@@ -42,6 +43,10 @@ class VoxelBlocks {
   using Offset = std::array<int, 3>;  ///< from one place to another
   /** Of a bit of a block's mask: its cell's, 0 to 3. */
   static constexpr Offset coordinatesOf(int cell) { return {xOf(cell), yOf(cell), zOf(cell)}; }
+  /** The bit of a block's mask, by (the last two bits of) coordinates. */
+  static constexpr int cellOf(int x, int y, int z) {
+    return spread(x) | spread(y) << 1 | spread(z) << 2;
+  }
 
   /** All offsets longer than one radius and at most as long as another (voxels), as masks: for each
    * cell of a block, which cells of the blocks around it. Memory: 512 bytes times
@@ -81,6 +86,16 @@ class VoxelBlocks {
    * the cells that hold them and the offset of the block's lowest cell, until f returns true. */
   template <class F>
   void forEachBlockAround(const Place& place, const Ball& ball, F&& f) const;
+
+  /** The voxel at a place, if there is one. */
+  std::optional<uint32_t> at(const Place& place) const {
+    const auto [x, y, z] = place;
+    const uint32_t block = blockAt(x >> 2, y >> 2, z >> 2);
+    const int cell = cellOf(x, y, z);
+    if (block == kNone || !(blocks_[block].mask >> cell & 1U)) return std::nullopt;
+    const uint32_t voxel = blocks_[block].at(cell);
+    return voxels_.empty() ? voxel : voxels_[voxel];
+  }
 
   /** True if there is a voxel within the ball around a place. */
   bool anyAround(const Place& place, const Ball& ball) const;
@@ -170,14 +185,11 @@ class VoxelBlocks {
   struct Slot : Cells {  // a group, of blocks_
     uint64_t key = 0;
   };
-  /** Coordinates of a cell, and the cell of (the last two bits of) coordinates. */
+  /** Coordinates of a cell. */
   static constexpr int xOf(int cell) { return (cell & 1) | (cell >> 2 & 2); }
   static constexpr int yOf(int cell) { return xOf(cell >> 1); }
   static constexpr int zOf(int cell) { return xOf(cell >> 2); }
   static constexpr int spread(int b) { return (b & 3) * 5 & 9; }  // bit 1 becomes bit 3
-  static constexpr int cellOf(int x, int y, int z) {
-    return spread(x) | spread(y) << 1 | spread(z) << 2;
-  }
   static void add(Cells& cells, int cell, uint32_t content);
   void linkBlocks();
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <mrpt/fusion/free_space.h>
 #include <mrpt/maps/octree_voxels.h>
 #include <octomap/OcTree.h>
 
@@ -28,6 +29,10 @@ struct OccupiedVoxels {
  * stands for 2^48 voxels). \exception std::length_error If there are more.
  */
 OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map,
+                                     size_t max_voxels = mrpt::maps::kMaxVoxels);
+/** \overload
+ * In the same traversal, \param[out] free what is free: an empty one at first. */
+OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map, FreeSpace& free,
                                      size_t max_voxels = mrpt::maps::kMaxVoxels);
 
 /** The middle of some points, m; the origin if there are none. */

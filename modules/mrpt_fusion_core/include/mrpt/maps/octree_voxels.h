@@ -87,15 +87,21 @@ void forEachVoxel(const OcTreeCube& cube, F&& f) {
         static_cast<octomap::key_type>(cube.key[2] + detail::everyThirdBit(i >> 2))));
 }
 
+/** Does nothing with a cube. */
+struct IgnoreCube {
+  void operator()(const OcTreeCube&) const {}  ///< Nothing.
+};
+
 /** Calls `f(const OcTreeKey&, float probability)` for each occupied finest voxel, in the order of
- * the octree. \exception std::length_error If there are more than \a max_voxels; f may have been
- * called for some. */
-template <class F>
-void forEachOccupiedVoxel(const octomap::OcTree& tree, size_t max_voxels, F&& f) {
+ * the octree, and `on_free(const OcTreeCube&)` for each free leaf. \exception std::length_error If
+ * there are more than \a max_voxels; f may have been called for some. */
+template <class F, class OnFree = IgnoreCube>
+void forEachOccupiedVoxel(const octomap::OcTree& tree, size_t max_voxels, F&& f,
+                          OnFree&& on_free = {}) {
   size_t count = 0;
   float last = 0, probability = 0.5F;  // neighbours are often as sure as each other
   forEachLeaf(tree, [&](const OcTreeCube& cube, const octomap::OcTreeNode& node) {
-    if (!tree.isNodeOccupied(node)) return;
+    if (!tree.isNodeOccupied(node)) return on_free(cube);
     const uint64_t volume = uint64_t{1} << (3 * (OcTreeCube::kMaxDepth - cube.depth));
     if (volume > max_voxels || count + volume > max_voxels)
       throw std::length_error("the map has more than " + std::to_string(max_voxels) +

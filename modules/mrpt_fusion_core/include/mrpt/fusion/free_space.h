@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/fusion/voxel_blocks.h>
+#include <mrpt/maps/octree_build.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace mrpt::fusion {
+
+/** Tells which finest voxels of an octree are free: its own search() goes down sixteen nodes, which
+ * lie all over memory. 14 bytes for each block of 4x4x4 voxels some of which are free, 16 for each
+ * free cube of more than eight such blocks. */
+class FreeSpace {
+ public:
+  /** Adds a free leaf; they come in the order of the octree. */
+  void add(const mrpt::maps::OcTreeCube& leaf) {
+    if (leaf.depth <= kBlock) {
+      addBlocks(leaf);
+      return;
+    }
+    const octomap::OcTreeKey block = blockOf(leaf.key);
+    if (keys_.empty() || keys_.back() != block) add(block, 0);
+    masks_.back() |= (leaf.depth == kVoxel ? 1 : uint64_t{0xFF}) << cellOf(leaf.key);
+  }
+  /** Makes ready for questions, when all have been added. */
+  void index() { blocks_ = VoxelBlocks(keys_); }
+
+  /** Whether a voxel is free. */
+  bool has(const octomap::OcTreeKey& key) const;
+
+ private:
+  static constexpr unsigned kVoxel = mrpt::maps::OcTreeCube::kMaxDepth;
+  static constexpr unsigned kBlock = kVoxel - 2;  ///< the depth of a block of 4x4x4 voxels
+
+  struct Range {  // in octreeOrder()
+    uint64_t first, end;
+  };
+  static octomap::OcTreeKey blockOf(const octomap::OcTreeKey& k) {
+    const auto by_four = [](octomap::key_type x) { return static_cast<octomap::key_type>(x >> 2); };
+    return {by_four(k[0]), by_four(k[1]), by_four(k[2])};
+  }
+  static int cellOf(const octomap::OcTreeKey& k) { return VoxelBlocks::cellOf(k[0], k[1], k[2]); }
+  void add(const octomap::OcTreeKey& block, uint64_t mask) {
+    keys_.push_back(block);
+    masks_.push_back(mask);
+  }
+  void addBlocks(const mrpt::maps::OcTreeCube& leaf);
+
+  std::vector<octomap::OcTreeKey> keys_;  // of the blocks: of their lowest voxels, by four
+  std::vector<uint64_t> masks_;           // of each block's voxels
+  VoxelBlocks blocks_;                    // which block lies where
+  std::vector<Range> cubes_;              // larger than eight blocks, in order
+};
+
+}  // namespace mrpt::fusion

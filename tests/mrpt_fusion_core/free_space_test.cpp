@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+#include <mrpt/fusion/voxels.h>
+#include <mrpt/maps/octree_build.h>
+
+#include <random>
+
+#include "test_maps.h"
+
+namespace mrpt::fusion::test {
+namespace {
+
+using mrpt::maps::OcTreeCube;
+using mrpt::maps::OcTreeFill;
+
+constexpr int kSide = 128;  // of the known part, voxels
+constexpr octomap::key_type kLow = 32768 - kSide / 2;
+
+/** Splits and stops at random, down to finest voxels: unknown, free or occupied. */
+class RandomVisitor {
+ public:
+  struct State {};
+  State descend(const State&, unsigned, const OcTreeCube&) const { return {}; }
+  OcTreeFill visit(const OcTreeCube& cube, const State&) {
+    for (const octomap::key_type low : {cube.key[0], cube.key[1], cube.key[2]})
+      if (low + cube.side() <= kLow || low >= kLow + kSide) return OcTreeFill::unknown();
+    if (cube.side() >= kSide) return OcTreeFill::split();
+    const auto what = random_() % 8;
+    if (what < 4 && cube.depth < OcTreeCube::kMaxDepth) return OcTreeFill::split();
+    if (what == 7) return OcTreeFill::unknown();
+    return OcTreeFill::leaf(what % 4 == 0 ? 1.F : -1.F);
+  }
+
+ private:
+  std::mt19937 random_{5};
+};
+
+FreeSpace freeSpaceOf(const octomap::OcTree& map) {
+  FreeSpace free;
+  extractOccupiedVoxels(map, free);
+  return free;
+}
+
+bool isFreeIn(const octomap::OcTree& map, const octomap::OcTreeKey& key) {
+  const octomap::OcTreeNode* node = map.search(key);
+  return node && !map.isNodeOccupied(node);
+}
+
+TEST(FreeSpace, IsWhatTheTreeSays) {
+  octomap::OcTree map(0.1);
+  RandomVisitor visitor;
+  mrpt::maps::buildOcTree(map, {}, visitor);
+  std::array<size_t, OcTreeCube::kMaxDepth + 1> leaves{};
+  mrpt::maps::forEachLeaf(map, [&](const OcTreeCube& leaf, const auto& node) {
+    if (!map.isNodeOccupied(node)) leaves[leaf.depth]++;
+  });
+  for (unsigned depth = 10; depth <= 16; depth++) ASSERT_GT(leaves[depth], 0) << depth;
+
+  const FreeSpace free = freeSpaceOf(map);
+  constexpr int kBeyond = 5;
+  for (int x = kLow - kBeyond; x < kLow + kSide + kBeyond; x++)
+    for (int y = kLow - kBeyond; y < kLow + kSide + kBeyond; y++)
+      for (int z = kLow - kBeyond; z < kLow + kSide + kBeyond; z++) {
+        const octomap::OcTreeKey key(static_cast<octomap::key_type>(x),
+                                     static_cast<octomap::key_type>(y),
+                                     static_cast<octomap::key_type>(z));
+        ASSERT_EQ(free.has(key), isFreeIn(map, key)) << x << " " << y << " " << z;
+      }
+}
+
+TEST(FreeSpace, OneLeafStandsForTheWholeSpace) {
+  octomap::OcTree map(0.1);
+  mrpt::maps::OcTreeAccess::createRoot(map)->setLogOdds(-2);
+  const FreeSpace free = freeSpaceOf(map);
+  for (const octomap::key_type k : {0, 1, 32767, 32768, 65535}) EXPECT_TRUE(free.has({k, 7, k}));
+}
+
+TEST(FreeSpace, NothingIsFreeInAnEmptyMap) {
+  EXPECT_FALSE(FreeSpace().has({32768, 32768, 32768}));
+  EXPECT_FALSE(freeSpaceOf(octomap::OcTree(0.1)).has({0, 0, 0}));
+}
+
+TEST(FreeSpace, OccupiedVoxelsAreTheSameWithoutIt) {
+  const auto map = MapWriter(0.2)
+                       .box({-9, 3, 0}, {14, 9, 6}, kFree)
+                       .box({-9, 3, 0}, {14, 9, 0}, kOccupied)
+                       .pruned();
+  FreeSpace free;
+  const OccupiedVoxels with = extractOccupiedVoxels(*map, free),
+                       without = extractOccupiedVoxels(*map);
+  EXPECT_EQ(with.key, without.key);
+  EXPECT_EQ(with.centre, without.centre);
+  EXPECT_EQ(with.probability, without.probability);
+  EXPECT_THROW(extractOccupiedVoxels(*map, free, with.size() - 1), std::length_error);
+}
+
+}  // namespace
+}  // namespace mrpt::fusion::test
