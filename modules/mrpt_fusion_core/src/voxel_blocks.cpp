@@ -44,7 +44,7 @@ void VoxelBlocks::add(Cells& cells, int cell, uint32_t content) {
 VoxelBlocks::VoxelBlocks(const std::vector<octomap::OcTreeKey>& keys)
     : voxels_(inOctreeOrder(keys)) {
   const auto keyAt = [&](size_t i) -> const octomap::OcTreeKey& {
-    return keys[voxels_.empty() ? i : voxels_[i]];
+    return keys[voxelAt(static_cast<uint32_t>(i))];
   };
   size_t blocks = 0, groups = 0;
   for (size_t i = 0; i < keys.size(); i++) {

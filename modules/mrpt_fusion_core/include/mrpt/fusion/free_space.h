@@ -10,8 +10,9 @@
 namespace mrpt::fusion {
 
 /** Tells which finest voxels of an octree are free: its own search() goes down sixteen nodes, which
- * lie all over memory. 14 bytes for each block of 4x4x4 voxels some of which are free, 16 for each
- * free cube of more than eight such blocks. */
+ * lie all over memory. 8 bytes for each block of 4x4x4 voxels some of which are free, and their
+ * index (VoxelBlocks, of blocks for voxels); 16 for each free cube of more than eight such blocks.
+ */
 class FreeSpace {
  public:
   /** Adds a free leaf; they come in the order of the octree. */
@@ -25,7 +26,10 @@ class FreeSpace {
     masks_.back() |= (leaf.depth == kVoxel ? 1 : uint64_t{0xFF}) << cellOf(leaf.key);
   }
   /** Makes ready for questions, when all have been added. */
-  void index() { blocks_ = VoxelBlocks(keys_); }
+  void index() {
+    blocks_ = VoxelBlocks(keys_);
+    keys_ = {};
+  }
 
   /** Whether a voxel is free. */
   bool has(const octomap::OcTreeKey& key) const;
@@ -48,7 +52,7 @@ class FreeSpace {
   }
   void addBlocks(const mrpt::maps::OcTreeCube& leaf);
 
-  std::vector<octomap::OcTreeKey> keys_;  // of the blocks: of their lowest voxels, by four
+  std::vector<octomap::OcTreeKey> keys_;  // of the blocks, until they are indexed; by four voxels
   std::vector<uint64_t> masks_;           // of each block's voxels
   VoxelBlocks blocks_;                    // which block lies where
   std::vector<Range> cubes_;              // larger than eight blocks, in order

@@ -93,8 +93,7 @@ class VoxelBlocks {
     const uint32_t block = blockAt(x >> 2, y >> 2, z >> 2);
     const int cell = cellOf(x, y, z);
     if (block == kNone || !(blocks_[block].mask >> cell & 1U)) return std::nullopt;
-    const uint32_t voxel = blocks_[block].at(cell);
-    return voxels_.empty() ? voxel : voxels_[voxel];
+    return voxelAt(blocks_[block].at(cell));
   }
 
   /** True if there is a voxel within the ball around a place. */
@@ -191,6 +190,8 @@ class VoxelBlocks {
   static constexpr int zOf(int cell) { return xOf(cell >> 2); }
   static constexpr int spread(int b) { return (b & 3) * 5 & 9; }  // bit 1 becomes bit 3
   static void add(Cells& cells, int cell, uint32_t content);
+  /** Which voxel is the n-th in the order of the octree. */
+  uint32_t voxelAt(uint32_t n) const { return voxels_.empty() ? n : voxels_[n]; }
   void linkBlocks();
 
   static uint64_t keyOf(int x, int y, int z) {
@@ -322,8 +323,7 @@ void VoxelBlocks::forEachAround(const Place& place, const Ball& ball, F&& f) con
     const auto [bx, by, bz] = block.place;
     for (; found; found &= found - 1) {
       const int other = __builtin_ctzll(found);
-      const uint32_t voxel = block.at(other);
-      f(voxels_.empty() ? voxel : voxels_[voxel],
+      f(voxelAt(block.at(other)),
         Offset{4 * bx + xOf(other) - x, 4 * by + yOf(other) - y, 4 * bz + zOf(other) - z});
     }
     return false;
