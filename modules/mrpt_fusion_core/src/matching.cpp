@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "parallel.h"
 
@@ -245,9 +246,13 @@ void matchVoxels(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& a
   LevelParams from_gate = params.voxel_level;
   from_gate.gate = first_gate;
   const Pairs last = runLevel(level, from_gate, twoVoxels(a, b), params, result, on_iteration);
-  if (last.size() >= MatchResult::kMinPairs)
-    result.covariance = level.covarianceAt(last, result.T_a_b, largerVoxel(a, b));
-  result.pairs = pairVoxels(a, b, result.T_a_b, params);
+  // Neither alone keeps many threads busy.
+  tbb::parallel_invoke(
+      [&] {
+        if (last.size() >= MatchResult::kMinPairs)
+          result.covariance = level.covarianceAt(last, result.T_a_b, largerVoxel(a, b));
+      },
+      [&] { result.pairs = pairVoxels(a, b, result.T_a_b, params); });
 }
 
 OccupiedVoxels select(const OccupiedVoxels& voxels, const std::vector<uint32_t>& indices) {
@@ -379,24 +384,32 @@ std::vector<RankedPose> distinct(std::vector<RankedPose> all, const Eigen::Vecto
  * agree there. */
 class PoseComparison {
  public:
-  /** \param[in] voxels So many of each map. \param[in] association Of a's matched voxels. */
+  /** \param[in] voxels So many of each map. \param[in] few_b B's, see sceneVoxels().
+   * \param[in] association Of a's matched voxels. */
   PoseComparison(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& association,
-                 const MatchParams& params, size_t voxels)
-      : a_(a), b_(b), association_(association), params_(roughly(params)) {
-    const double cell = params.search.cell;
+                 const MatchParams& params, size_t voxels, SurfaceVoxels few_b)
+      : a_(a),
+        b_(b),
+        association_(association),
+        params_(roughly(params)),
+        few_b_(std::move(few_b)) {
     tbb::parallel_invoke(
         [&] {
-          of_a_ = obstaclesOf(a, fewOf(a.matched, cell, voxels));
+          of_a_ = obstaclesOf(a, fewOf(a.matched, params.search.cell, voxels));
           association.prepare(widestGate(a, b, params));
         },
         [&] {
-          few_b_ = fewOf(b.matched, cell, voxels);
           of_b_ = obstaclesOf(b, few_b_);
           H_m_ = occupancyUncertainty(a.matched.voxels.probability, few_b_.voxels.probability);
         });
   }
+  PoseComparison(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& association,
+                 const MatchParams& params, size_t voxels)
+      : PoseComparison(a, b, association, params, voxels, sceneVoxels(b, params, voxels)) {}
 
-  const SurfaceVoxels& sceneVoxels() const { return few_b_; }
+  static SurfaceVoxels sceneVoxels(const MapFeatures& b, const MatchParams& params, size_t voxels) {
+    return fewOf(b.matched, params.search.cell, voxels);
+  }
 
   /** What the starts come to, best first; of those that come to the same place the best. */
   std::vector<RankedPose> ranked(const std::vector<Eigen::Isometry3d>& starts) const {
@@ -480,6 +493,7 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
   std::optional<VoxelAssociation> of_voxels;
   std::optional<PoseComparison> comparison;
   std::vector<Hypothesis> found;
+  const SurfaceVoxels scene = PoseComparison::sceneVoxels(b, params, kMany);
   tbb::parallel_invoke(
       [&] {
         if (params.search.isEverywhere()) return;
@@ -488,8 +502,9 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
       },
       [&] {
         of_voxels.emplace(a.matched.voxels);
-        comparison.emplace(a, b, *of_voxels, params, kMany);
-        const SurfaceVoxels& scene = comparison->sceneVoxels();
+        comparison.emplace(a, b, *of_voxels, params, kMany, scene);
+      },
+      [&] {
         const bool turns =
             params.search.isEverywhere() && params.search.rotations == SearchRotations::All;
         found =
@@ -507,15 +522,21 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
   }
   result.hypotheses = by_many.ranked(starts);
   compareRivals(a, b, association, params, result.hypotheses);
-  forEachIndex(result.hypotheses.size(), 1, [&](size_t i) {
-    RankedPose& h = result.hypotheses[i];
-    if (h.agreement > kLeastOfRivals * result.hypotheses.front().agreement)
-      h.covariance = by_many.covarianceAt(h.T_a_b);
-  });
   result.T_a_b = result.hypotheses.front().T_a_b;
   const double final_gate = std::max(params.voxel_level.final_gate, twoVoxels(a, b));
-  matchVoxels(a, b, association, std::min(params.voxel_level.gate, final_gate), params, result,
-              on_iteration);
+  // What is asked of the hypotheses does not keep many threads busy either.
+  tbb::parallel_invoke(
+      [&] {
+        forEachIndex(result.hypotheses.size(), 1, [&](size_t i) {
+          RankedPose& h = result.hypotheses[i];
+          if (h.agreement > kLeastOfRivals * result.hypotheses.front().agreement)
+            h.covariance = by_many.covarianceAt(h.T_a_b);
+        });
+      },
+      [&] {
+        matchVoxels(a, b, association, std::min(params.voxel_level.gate, final_gate), params,
+                    result, on_iteration);
+      });
   return result;
 }
 
