@@ -13,6 +13,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -407,7 +408,8 @@ class PoseSearch {
  public:
   PoseSearch(const octomap::OcTree& map_a, const OccupiedVoxels& a, const Surfaces& surfaces_a,
              const SurfaceVoxels& b, const Eigen::Isometry3d& T_a_b, const SearchParams& params)
-      : map_a_(map_a), a_(a), params_(params), walls_(surfaces_a.normal, b.surfaces.normal, T_a_b) {
+      : map_a_(map_a), a_(a), params_(params) {
+    if (params.isEverywhere()) walls_.emplace(surfaces_a.normal, b.surfaces.normal, T_a_b);
     heights_ = {-params.height, params.height};
     const Eigen::AlignedBox3d most = boxOfMost(b.voxels);
     for (const auto& p : b.voxels.centre)
@@ -528,12 +530,12 @@ class PoseSearch {
     lattice_.middle += up;
   }
 
-  /** The yaws to try: those that lay walls along walls. */
+  /** The yaws to try: around a guess all, else those that lay walls along walls. */
   std::vector<int> yawsAt(const Lattice& lattice) const {
     const int most = static_cast<int>(std::ceil(std::min(params_.yaw, M_PI) / lattice.yaw_step));
     std::vector<int> yaws;
     for (int yaw = -most; yaw <= most; yaw++)
-      if (!params_.isEverywhere() || walls_.arePlausible(yaw * lattice.yaw_step, lattice.yaw_step))
+      if (!walls_ || walls_->arePlausible(yaw * lattice.yaw_step, lattice.yaw_step))
         yaws.push_back(yaw);
     return yaws;
   }
@@ -646,7 +648,7 @@ class PoseSearch {
   const OccupiedVoxels& a_;
   Points points_;  // of the scene
   const SearchParams& params_;
-  WallDirections walls_;
+  std::optional<WallDirections> walls_;
   Eigen::AlignedBox3d box_a_, region_;
   std::array<double, 2> heights_{};  // lowest and highest shift to try, m
   double radius_ = 0;                // of B about its middle, across the vertical, m
