@@ -215,15 +215,19 @@ double largerVoxel(const MapFeatures& a, const MapFeatures& b) {
 }
 /** The least gate of voxel pairs, m. */
 double twoVoxels(const MapFeatures& a, const MapFeatures& b) { return 2 * largerVoxel(a, b); }
-/** The widest gate of the voxel level and of its covariance, m. */
-double widestGate(const MapFeatures& a, const MapFeatures& b, const MatchParams& params) {
-  return std::max(params.voxel_level.gate, kHeldGate * largerVoxel(a, b));
+
+/** Of a's matched voxels, ready for all gates of the voxel level and of its covariance: threads may
+ * share it. */
+VoxelAssociation associationOf(const MapFeatures& a, const MapFeatures& b,
+                               const MatchParams& params) {
+  VoxelAssociation association(a.matched.voxels);
+  association.prepare(std::max(params.voxel_level.gate, kHeldGate * largerVoxel(a, b)));
+  return association;
 }
 
-/** With all of the maps' matched voxels; prepares the association of these. */
-LevelProblem voxelLevel(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& association,
-                        const MatchParams& params) {
-  association.prepare(widestGate(a, b, params));
+/** With all of the maps' matched voxels. */
+LevelProblem voxelLevel(const MapFeatures& a, const MapFeatures& b,
+                        const VoxelAssociation& association, const MatchParams& params) {
   const double H_m =
       occupancyUncertainty(a.matched.voxels.probability, b.matched.voxels.probability);
   return voxelLevel(a.matched, b.matched, H_m, association, params);
@@ -239,7 +243,7 @@ Matrix6d covarianceOf(const MapFeatures& a, const MapFeatures& b, const LevelPro
 
 /** The voxel level from its gate \a first_gate on, on result.T_a_b; gives the result its covariance
  * and pairs. */
-void matchVoxels(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& association,
+void matchVoxels(const MapFeatures& a, const MapFeatures& b, const VoxelAssociation& association,
                  double first_gate, const MatchParams& params, MatchResult& result,
                  const OnIteration& on_iteration) {
   const LevelProblem level = voxelLevel(a, b, association, params);
@@ -331,7 +335,7 @@ MatchResult matchTwoLevel(const MapFeatures& a, const MapFeatures& b,
   result.T_a_b = T_a_b;
   if (isEmpty(a, b)) return result;
   matchEdges(a, b, params, result, on_iteration);
-  VoxelAssociation association(a.matched.voxels);
+  const VoxelAssociation association = associationOf(a, b, params);
   matchVoxels(a, b, association, params.voxel_level.gate, params, result, on_iteration);
   return result;
 }
@@ -386,7 +390,7 @@ class PoseComparison {
  public:
   /** \param[in] voxels So many of each map. \param[in] few_b B's, see sceneVoxels().
    * \param[in] association Of a's matched voxels. */
-  PoseComparison(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& association,
+  PoseComparison(const MapFeatures& a, const MapFeatures& b, const VoxelAssociation& association,
                  const MatchParams& params, size_t voxels, SurfaceVoxels few_b)
       : a_(a),
         b_(b),
@@ -394,16 +398,13 @@ class PoseComparison {
         params_(roughly(params)),
         few_b_(std::move(few_b)) {
     tbb::parallel_invoke(
-        [&] {
-          of_a_ = obstaclesOf(a, fewOf(a.matched, params.search.cell, voxels));
-          association.prepare(widestGate(a, b, params));
-        },
+        [&] { of_a_ = obstaclesOf(a, fewOf(a.matched, params.search.cell, voxels)); },
         [&] {
           of_b_ = obstaclesOf(b, few_b_);
           H_m_ = occupancyUncertainty(a.matched.voxels.probability, few_b_.voxels.probability);
         });
   }
-  PoseComparison(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& association,
+  PoseComparison(const MapFeatures& a, const MapFeatures& b, const VoxelAssociation& association,
                  const MatchParams& params, size_t voxels)
       : PoseComparison(a, b, association, params, voxels, sceneVoxels(b, params, voxels)) {}
 
@@ -460,7 +461,7 @@ constexpr double kLeastOfRivals = 0.05;   // of the best's agreement
 constexpr size_t kVoxelsOfRivals = 5000;  // poses that rival differ by more than chance on these
 
 /** Compares the poses that rival with the best once more, by more voxels. */
-void compareRivals(const MapFeatures& a, const MapFeatures& b, VoxelAssociation& association,
+void compareRivals(const MapFeatures& a, const MapFeatures& b, const VoxelAssociation& association,
                    const MatchParams& params, std::vector<RankedPose>& hypotheses) {
   constexpr size_t kMost = 4;
   std::vector<Eigen::Isometry3d> poses;
@@ -501,7 +502,7 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
         starts.push_back(result.T_a_b);
       },
       [&] {
-        of_voxels.emplace(a.matched.voxels);
+        of_voxels.emplace(associationOf(a, b, params));
         comparison.emplace(a, b, *of_voxels, params, kMany, scene);
       },
       [&] {
@@ -511,7 +512,7 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
             turns ? searchAllRotations(*a.map, a.voxels, a.matched.surfaces, scene, params.search)
                   : searchAround(*a.map, a.voxels, a.matched.surfaces, scene, T_a_b, params.search);
       });
-  VoxelAssociation& association = *of_voxels;
+  const VoxelAssociation& association = *of_voxels;
   const PoseComparison& by_many = *comparison;
   for (const Hypothesis& h : found) starts.push_back(h.T_a_b);
   if (starts.empty()) starts.push_back(T_a_b);
@@ -549,7 +550,7 @@ bool findBetterElsewhere(const MapFeatures& a, const MapFeatures& b, double as_g
   MatchParams unbounded = params;
   unbounded.search = everywhere(params.search);
   const MatchResult elsewhere = matchMaps(a, b, result.T_a_b, unbounded);
-  VoxelAssociation association(a.matched.voxels);
+  const VoxelAssociation association = associationOf(a, b, params);
   const auto ranked = PoseComparison(a, b, association, params, kVoxelsOfRivals)
                           .ranked({result.T_a_b, elsewhere.T_a_b});
   if (ranked.size() < 2 || ranked[1].agreement > as_good * ranked[0].agreement ||
@@ -569,7 +570,7 @@ Evaluation judgeMatch(const MapFeatures& a, const MapFeatures& b, const MatchPar
                       const EvaluationParams& evaluation, MatchResult& result) {
   if (isEmpty(a, b)) return evaluateMatch(a, b, {}, result.T_a_b, evaluation);
   if (result.iterations.empty()) {  // a pose that was given
-    VoxelAssociation association(a.matched.voxels);
+    const VoxelAssociation association = associationOf(a, b, params);
     result.covariance = covarianceOf(a, b, voxelLevel(a, b, association, params), result.T_a_b);
   }
   const PoseDeviation deviation =
