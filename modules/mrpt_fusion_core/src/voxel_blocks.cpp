@@ -35,10 +35,10 @@ bool shareCube(const octomap::OcTreeKey& a, const octomap::OcTreeKey& b, int dep
 }  // namespace
 
 /** Adds the next cell in order; \a content is the number of what there is so far. */
-void VoxelBlocks::add(Cells& cells, int cell, uint32_t content) {
+void VoxelBlocks::add(Cells& cells, Ranks& ranks, int cell, uint32_t content) {
   if (!cells.mask) cells.first = content;
   cells.mask |= uint64_t{1} << cell;
-  cells.rank[static_cast<size_t>(cell)] = static_cast<uint8_t>(content - cells.first);
+  ranks[static_cast<size_t>(cell)] = static_cast<uint8_t>(content - cells.first);
 }
 
 VoxelBlocks::VoxelBlocks(const std::vector<octomap::OcTreeKey>& keys)
@@ -53,34 +53,41 @@ VoxelBlocks::VoxelBlocks(const std::vector<octomap::OcTreeKey>& keys)
     if (i == 0 || !shareCube(keyAt(i), keyAt(i - 1), 4)) groups++;
   }
   blocks_.reserve(blocks);
+  ranks_.resize(blocks);
+  places_.reserve(blocks);
   for (size_t i = 0; i < keys.size(); i++) {
     const octomap::OcTreeKey& k = keyAt(i);
-    if (i == 0 || !shareCube(k, keyAt(i - 1), 2))
-      blocks_.emplace_back().place = {k[0] >> 2, k[1] >> 2, k[2] >> 2};
-    add(blocks_.back(), cellOf(k[0], k[1], k[2]), static_cast<uint32_t>(i));
+    if (i == 0 || !shareCube(k, keyAt(i - 1), 2)) {
+      blocks_.emplace_back();
+      places_.push_back({k[0] >> 2, k[1] >> 2, k[2] >> 2});
+    }
+    add(blocks_.back(), ranks_[blocks_.size() - 1], cellOf(k[0], k[1], k[2]),
+        static_cast<uint32_t>(i));
   }
 
   size_t capacity = 16;
   while (capacity < 2 * groups) capacity *= 2;
   slots_.resize(capacity);
+  slot_ranks_.resize(capacity);
   slot_mask_ = capacity - 1;
   for (uint32_t b = 0; b < blocks_.size(); b++) {
-    const auto& [x, y, z] = blocks_[b].place;
+    const auto& [x, y, z] = places_[b];
     const uint64_t key = keyOf(x >> 2, y >> 2, z >> 2);
     size_t slot = hash(key) & slot_mask_;
     while (slots_[slot].first != kNone && slots_[slot].key != key) slot = (slot + 1) & slot_mask_;
     slots_[slot].key = key;
-    add(slots_[slot], cellOf(x, y, z), b);
+    add(slots_[slot], slot_ranks_[slot], cellOf(x, y, z), b);
   }
   linkBlocks();
 }
 
 void VoxelBlocks::linkBlocks() {
   static const Ball beside(1.8);  // among groups what it is among blocks
+  beside_.resize(blocks_.size());
   Place group{};
   std::array<const Slot*, 27> groups{};  // it and those around it, x fastest
   for (uint32_t b = 0; b < blocks_.size(); b++) {
-    const auto& [x, y, z] = blocks_[b].place;
+    const auto& [x, y, z] = places_[b];
     const Place own{x >> 2, y >> 2, z >> 2};
     if (b == 0 || own != group) {
       group = own;
@@ -89,15 +96,15 @@ void VoxelBlocks::linkBlocks() {
         for (int dy = -1; dy <= 1; dy++)
           for (int dx = -1; dx <= 1; dx++) *next++ = find(own[0] + dx, own[1] + dy, own[2] + dz);
     }
-    blocks_[b].beside.fill(kNone);
+    beside_[b].fill(kNone);
     const auto cell = static_cast<size_t>(cellOf(x, y, z));
     for (size_t i = beside.part_[cell]; i < beside.part_[cell + 1]; i++) {
       const Slot* slot = groups[beside.parts_[i].beside];
       if (!slot) continue;
       for (uint64_t found = slot->mask & beside.parts_[i].mask; found; found &= found - 1) {
-        const uint32_t other = slot->at(__builtin_ctzll(found));
-        const auto& [ox, oy, oz] = blocks_[other].place;
-        blocks_[b].beside[besideOf(ox - x, oy - y, oz - z)] = other;
+        const uint32_t other = contentOf(*slot, __builtin_ctzll(found));
+        const auto& [ox, oy, oz] = places_[other];
+        beside_[b][besideOf(ox - x, oy - y, oz - z)] = other;
       }
     }
   }
@@ -140,28 +147,32 @@ VoxelBlocks::Ball::Ball(double radius, double beyond)
     }
   if (reach_ > 1) return;
   for (size_t cell = 0; cell < 64; cell++) {
+    const auto [x, y, z] = coordinatesOf(static_cast<int>(cell));
     for (int bz = -reach_; bz <= reach_; bz++)
       for (int by = -reach_; by <= reach_; by++)
         for (int bx = -reach_; bx <= reach_; bx++)
-          if (const uint64_t mask = of(cell, bx, by, bz))
-            parts_.push_back({mask, besideOf(bx, by, bz)});
+          if (const uint64_t mask = of(cell, bx, by, bz)) {
+            const auto lowest = [](int block, int at) { return static_cast<int8_t>(4 * block - at); };
+            parts_.push_back({mask, static_cast<uint8_t>(besideOf(bx, by, bz)),
+                              {lowest(bx, x), lowest(by, y), lowest(bz, z)}});
+          }
     part_[cell + 1] = parts_.size();
   }
 }
 
 bool VoxelBlocks::anyAround(const Place& place, const Ball& ball) const {
   bool any = false;
-  forEachPart(place, ball, [&](const Block&, uint64_t) { return any = true; });
+  forEachPart(place, ball, [&](uint32_t, uint64_t, const Offset&) { return any = true; });
   return any;
 }
 
 VoxelBlocks::Surroundings::Surroundings(const VoxelBlocks& blocks, double radius) {
   if (blocks.blocks_.empty()) return;
-  Place low = blocks.blocks_.front().place, high = low;
-  for (const Block& b : blocks.blocks_)
+  Place low = blocks.places_.front(), high = low;
+  for (const Place& place : blocks.places_)
     for (unsigned axis = 0; axis < 3; axis++) {
-      low[axis] = std::min(low[axis], b.place[axis]);
-      high[axis] = std::max(high[axis], b.place[axis]);
+      low[axis] = std::min(low[axis], place[axis]);
+      high[axis] = std::max(high[axis], place[axis]);
     }
   constexpr double kMostPerBlock = 32;
   constexpr unsigned kWholeTree = 18;  // doublings
@@ -181,9 +192,9 @@ VoxelBlocks::Surroundings::Surroundings(const VoxelBlocks& blocks, double radius
 
   const auto row = static_cast<size_t>(size_[0]), layer = row * static_cast<size_t>(size_[1]);
   near_.resize(layer * static_cast<size_t>(size_[2]));
-  for (const Block& b : blocks.blocks_) {
+  for (const Place& place : blocks.places_) {
     const auto at = [&](unsigned axis) {
-      return static_cast<size_t>((b.place[axis] >> (shift_ - 2)) - low_[axis]);
+      return static_cast<size_t>((place[axis] >> (shift_ - 2)) - low_[axis]);
     };
     near_[at(2) * layer + at(1) * row + at(0)] = 1;
   }

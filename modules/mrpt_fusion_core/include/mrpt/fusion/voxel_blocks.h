@@ -60,7 +60,8 @@ class VoxelBlocks {
     friend class VoxelBlocks;
     struct Part {  // what is in one of the blocks beside a cell's own
       uint64_t mask;
-      size_t beside;
+      uint8_t beside;
+      std::array<int8_t, 3> lowest;  // cell of that block, from the one that is asked for
     };
     int radius_;                   // in whole voxels
     int reach_;                    // in blocks
@@ -93,7 +94,7 @@ class VoxelBlocks {
     const uint32_t block = blockAt(x >> 2, y >> 2, z >> 2);
     const int cell = cellOf(x, y, z);
     if (block == kNone || !(blocks_[block].mask >> cell & 1U)) return std::nullopt;
-    return voxelAt(blocks_[block].at(cell));
+    return voxelAt(contentOf(block, cell));
   }
 
   /** True if there is a voxel within the ball around a place. */
@@ -169,14 +170,12 @@ class VoxelBlocks {
   struct Cells {
     uint64_t mask = 0;
     uint32_t first = kNone;
-    std::array<uint8_t, 64> rank{};  // of each cell among those that are there
-
-    uint32_t at(int cell) const { return first + rank[static_cast<size_t>(cell)]; }
   };
-  struct Block : Cells {                // of the voxels
-    Place place{};                      // its key, in blocks
-    std::array<uint32_t, 27> beside{};  // those around it, x fastest, or kNone
-  };
+  using Ranks = std::array<uint8_t, 64>;  // of each cell among those that are there
+  static uint32_t contentOf(const Cells& cells, const Ranks& ranks, int cell) {
+    return cells.first + ranks[static_cast<size_t>(cell)];
+  }
+  using Beside = std::array<uint32_t, 27>;  // the blocks around one, x fastest, or kNone
   /** The index of one of those around a block, by its offset. */
   static constexpr size_t besideOf(int x, int y, int z) {
     return static_cast<size_t>((z + 1) * 9 + (y + 1) * 3 + x + 1);
@@ -189,9 +188,17 @@ class VoxelBlocks {
   static constexpr int yOf(int cell) { return xOf(cell >> 1); }
   static constexpr int zOf(int cell) { return xOf(cell >> 2); }
   static constexpr int spread(int b) { return (b & 3) * 5 & 9; }  // bit 1 becomes bit 3
-  static void add(Cells& cells, int cell, uint32_t content);
+  static void add(Cells& cells, Ranks& ranks, int cell, uint32_t content);
   /** Which voxel is the n-th in the order of the octree. */
   uint32_t voxelAt(uint32_t n) const { return voxels_.empty() ? n : voxels_[n]; }
+  /** Which voxel, in that order, a block's cell holds. */
+  uint32_t contentOf(uint32_t block, int cell) const {
+    return contentOf(blocks_[block], ranks_[block], cell);
+  }
+  /** Which block a group's cell holds. */
+  uint32_t contentOf(const Slot& group, int cell) const {
+    return contentOf(group, slot_ranks_[static_cast<size_t>(&group - slots_.data())], cell);
+  }
   void linkBlocks();
 
   static uint64_t keyOf(int x, int y, int z) {
@@ -211,7 +218,7 @@ class VoxelBlocks {
   uint32_t blockAt(int x, int y, int z) const {
     const Slot* group = find(x >> 2, y >> 2, z >> 2);
     const int cell = cellOf(x, y, z);
-    return group && (group->mask >> cell & 1U) ? group->at(cell) : kNone;
+    return group && (group->mask >> cell & 1U) ? contentOf(*group, cell) : kNone;
   }
   /** Of the block at a place (blocks). */
   uint64_t maskAt(int x, int y, int z) const {
@@ -222,8 +229,8 @@ class VoxelBlocks {
    * returns true. */
   template <class F>
   void forEachBlock(const Place& low, const Place& high, F&& f) const;
-  /** Calls `f(block, found)` for the blocks with voxels in the ball around a place, and the mask of
-   * these, until f returns true. */
+  /** Calls `f(block, found, lowest)` for the blocks with voxels in the ball around a place, the mask
+   * of these and the offset of the block's lowest cell, until f returns true. */
   template <class F>
   void forEachPart(const Place& place, const Ball& ball, F&& f) const;
   /** The cells of a cube whose coordinate along an axis is in [low, high], cut to the cube. */
@@ -236,9 +243,14 @@ class VoxelBlocks {
       {0, 0x0000333300003333, 0x0000FFFF0000FFFF, 0x3333FFFF3333FFFF, ~uint64_t{0}},
       {0, 0x000000000F0F0F0F, 0x00000000FFFFFFFF, 0x0F0F0F0FFFFFFFFF, ~uint64_t{0}}};
 
-  std::vector<Block> blocks_;     // in the order of the octree
+  // The blocks, in the order of the octree: what most questions are answered by lies close together.
+  std::vector<Cells> blocks_;     // of the voxels
+  std::vector<Ranks> ranks_;      // of each block's
+  std::vector<Beside> beside_;    // of each
+  std::vector<Place> places_;     // the key of each, in blocks
   std::vector<uint32_t> voxels_;  // of all blocks; none: they are in the octree's order
   std::vector<Slot> slots_;
+  std::vector<Ranks> slot_ranks_;  // of each group's blocks
   uint64_t slot_mask_ = 0;
 };
 
@@ -255,7 +267,7 @@ void VoxelBlocks::forEachBlock(const Place& low, const Place& high, F&& f) const
         if (!group || !(group->mask & in_zy)) continue;
         uint64_t found = group->mask & in_zy & range(0, low[0] - 4 * gx, high[0] - 4 * gx);
         for (; found; found &= found - 1)
-          if (f(blocks_[group->at(__builtin_ctzll(found))])) return;
+          if (f(contentOf(*group, __builtin_ctzll(found)))) return;
       }
     }
   }
@@ -268,33 +280,31 @@ void VoxelBlocks::forEachPart(const Place& place, const Ball& ball, F&& f) const
   if (!ball.parts_.empty()) {
     const uint32_t own = blockAt(x >> 2, y >> 2, z >> 2);
     if (own != kNone) {
-      const auto& beside = blocks_[own].beside;
+      const Beside& beside = beside_[own];
       for (size_t i = ball.part_[cell]; i < ball.part_[cell + 1]; i++) {
-        const uint32_t b = beside[ball.parts_[i].beside];
+        const Ball::Part& part = ball.parts_[i];
+        const uint32_t b = beside[part.beside];
         if (b == kNone) continue;
-        const uint64_t found = blocks_[b].mask & ball.parts_[i].mask;
-        if (found && f(blocks_[b], found)) return;
+        const uint64_t found = blocks_[b].mask & part.mask;
+        if (found && f(b, found, Offset{part.lowest[0], part.lowest[1], part.lowest[2]})) return;
       }
       return;
     }
   }
   const int r = ball.radius_;
   forEachBlock({(x - r) >> 2, (y - r) >> 2, (z - r) >> 2},
-               {(x + r) >> 2, (y + r) >> 2, (z + r) >> 2}, [&](const Block& block) {
-                 const auto [bx, by, bz] = block.place;
-                 const uint64_t found =
-                     block.mask & ball.of(cell, bx - (x >> 2), by - (y >> 2), bz - (z >> 2));
-                 return found && f(block, found);
+               {(x + r) >> 2, (y + r) >> 2, (z + r) >> 2}, [&](uint32_t block) {
+                 const auto [bx, by, bz] = places_[block];
+                 const uint64_t found = blocks_[block].mask &
+                                        ball.of(cell, bx - (x >> 2), by - (y >> 2), bz - (z >> 2));
+                 return found && f(block, found, Offset{4 * bx - x, 4 * by - y, 4 * bz - z});
                });
 }
 
 template <class F>
 void VoxelBlocks::forEachBlockAround(const Place& place, const Ball& ball, F&& f) const {
-  const auto [x, y, z] = place;
-  forEachPart(place, ball, [&](const Block& block, uint64_t found) {
-    const auto [bx, by, bz] = block.place;
-    return f(found, Offset{4 * bx - x, 4 * by - y, 4 * bz - z});
-  });
+  forEachPart(place, ball,
+              [&](uint32_t, uint64_t found, const Offset& lowest) { return f(found, lowest); });
 }
 
 template <class F>
@@ -318,13 +328,11 @@ void VoxelBlocks::Window::forEachAround(const Offset& offset, const Ball& ball, 
 
 template <class F>
 void VoxelBlocks::forEachAround(const Place& place, const Ball& ball, F&& f) const {
-  const auto [x, y, z] = place;
-  forEachPart(place, ball, [&](const Block& block, uint64_t found) {
-    const auto [bx, by, bz] = block.place;
+  forEachPart(place, ball, [&](uint32_t block, uint64_t found, const Offset& lowest) {
     for (; found; found &= found - 1) {
-      const int other = __builtin_ctzll(found);
-      f(voxelAt(block.at(other)),
-        Offset{4 * bx + xOf(other) - x, 4 * by + yOf(other) - y, 4 * bz + zOf(other) - z});
+      const int cell = __builtin_ctzll(found);
+      f(voxelAt(contentOf(block, cell)),
+        Offset{lowest[0] + xOf(cell), lowest[1] + yOf(cell), lowest[2] + zOf(cell)});
     }
     return false;
   });
