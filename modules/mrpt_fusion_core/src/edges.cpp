@@ -39,15 +39,23 @@ struct CellSums {
                z = static_cast<float>(at[2]);
     return {Four{x, y, z, 1}, Four{x * x, y * y, z * z, 0}, Four{x * y, x * z, y * z, 0}};
   }
-  void operator+=(const CellSums& o) {
+  constexpr void operator+=(const CellSums& o) {
     xyz += o.xyz;
     squares += o.squares;
     products += o.products;
   }
 };
-constexpr auto kCellSums = [] {
-  std::array<CellSums, 64> sums{};
-  for (int cell = 0; cell < 64; cell++) sums[static_cast<size_t>(cell)] = CellSums::ofCell(cell);
+
+/** Of all sets of eight cells that follow each other in a block: a block's sums are added up without
+ * a branch. */
+constexpr auto kSumsOfEight = [] {
+  std::array<std::array<CellSums, 256>, 8> sums{};
+  for (unsigned eight = 0; eight < 8; eight++)
+    for (unsigned cells = 1; cells < 256; cells++) {
+      const unsigned first = static_cast<unsigned>(__builtin_ctz(cells));
+      sums[eight][cells] = sums[eight][cells & (cells - 1)];
+      sums[eight][cells] += CellSums::ofCell(static_cast<int>(8 * eight + first));
+    }
   return sums;
 }();
 
@@ -59,8 +67,8 @@ class Moments {
    * \param[in] cells Those that are there. \param[in] offset Of its lowest cell. */
   void add(uint64_t cells, const VoxelBlocks::Offset& offset) {
     CellSums in_block;
-    for (; cells; cells &= cells - 1)
-      in_block += kCellSums[static_cast<size_t>(__builtin_ctzll(cells))];
+    for (size_t eight = 0; eight < 8; eight++)
+      in_block += kSumsOfEight[eight][cells >> (8 * eight) & 255U];
     const Four o = {static_cast<float>(offset[0]), static_cast<float>(offset[1]),
                     static_cast<float>(offset[2]), 0};
     const Four from_block = in_block.xyz;
@@ -368,24 +376,23 @@ std::vector<uint32_t> detectEdges(const OccupiedVoxels& voxels, const VoxelBlock
   for (size_t k = 0; k < pieces.voxels.size(); k++)
     first_of[k + 1] = first_of[k] + static_cast<uint32_t>(surfaces.weight[k]);
 
-  const auto variationAround = [&](const octomap::OcTreeKey& key) {
-    const LeastAxis across(momentsAround(occupied, bend_ball, key).covariance());
-    return static_cast<float>(surfaceVariation(across, params).value_or(0));
-  };
   // Where the surface bends most: the piece's own voxel may lie beside the edge.
   const auto mostBent = [&](size_t k) {
+    const Plane own{surfaces.normal[k], surfaces.variation[k]};
     uint32_t best = first_of[k];
-    if (first_of[k + 1] == best + 1) return best;
-    float most = -1;
+    if (first_of[k + 1] == best + 1) return std::pair(best, own);
+    Plane most;
+    most.variation = -1;
     for (uint32_t i = first_of[k]; i < first_of[k + 1]; i++) {
       const octomap::OcTreeKey& key = voxels.key[i];
-      const float variation =
-          key == pieces.voxels.key[k] ? surfaces.variation[k] : variationAround(key);
-      if (variation <= most) continue;
-      most = variation;
+      const Plane here = key == pieces.voxels.key[k]
+                             ? own
+                             : surfaceAround(occupied, bend_ball, key, params);
+      if (here.variation <= most.variation) continue;
+      most = here;
       best = i;
     }
-    return best;
+    return std::pair(best, most);
   };
 
   std::vector<uint32_t> found(candidates.size(), kNone);
@@ -394,14 +401,10 @@ std::vector<uint32_t> detectEdges(const OccupiedVoxels& voxels, const VoxelBlock
     for (size_t c = begin; c < end; c++) {
       const size_t k = candidates[c];
       if (surfaces.variation[k] < params.min_surface_variation) continue;
-      const uint32_t i = mostBent(k);
+      const auto [i, plane] = mostBent(k);
       const octomap::OcTreeKey& key = voxels.key[i];
-      const Eigen::Vector3f normal = key == pieces.voxels.key[k]
-                                         ? surfaces.normal[k]
-                                         : surfaceAround(occupied, bend_ball, key, params).normal;
-      if (normal.isZero(0) ||
-          angleCost(near, cost_ball, key, normal, surfaces.normal) <= params.kappa)
-        continue;
+      const Eigen::Vector3f& normal = plane.normal;
+      if (normal.isZero(0) || angleCost(near, cost_ball, key, normal, surfaces.normal) <= params.kappa) continue;
       tracer.moveTo(key);
       const Eigen::Vector3f u = acrossEdge(near, bend_ball, key, normal, surfaces.normal);
       if (isBend(tracer, directions, normal, u, params)) found[c] = i;
