@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/fusion/association.h>
+#include <mrpt/maps/remembered_function.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
 #include <stdexcept>
 #include <utility>
 
@@ -14,36 +13,11 @@
 
 namespace mrpt::fusion {
 
-namespace {
-
-/** p log p: a map holds few different probabilities, and most are remembered. */
-class EntropyTerm {
- public:
-  double operator()(float p) {
-    uint32_t bits;
-    std::memcpy(&bits, &p, sizeof(bits));
-    auto& [probability, term] = known_[(bits * 0x9E3779B1U) >> 24U];
-    if (probability != p) {
-      probability = p;
-      term = p > 0 ? p * std::log(static_cast<double>(p)) : 0;
-    }
-    return term;
-  }
-
- private:
-  struct Known {
-    float probability = 0;
-    double term = 0;
-  };
-  std::array<Known, 256> known_;
-};
-
-}  // namespace
-
 double occupancyUncertainty(const std::vector<float>& model_probability,
                             const std::vector<float>& scene_probability) {
   double sum = 0;
-  EntropyTerm term;
+  mrpt::maps::RememberedFunction term(
+      [](float p) { return p > 0 ? p * std::log(static_cast<double>(p)) : 0; });
   for (const auto* probabilities : {&model_probability, &scene_probability})
     for (const float p : *probabilities) sum -= term(p);
   const size_t n = model_probability.size() + scene_probability.size();

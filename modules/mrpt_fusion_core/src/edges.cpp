@@ -46,8 +46,8 @@ struct CellSums {
   }
 };
 
-/** Of all sets of eight cells that follow each other in a block: a block's sums are added up without
- * a branch. */
+/** Of all sets of eight cells that follow each other in a block: a block's sums are added up
+ * without a branch. */
 constexpr auto kSumsOfEight = [] {
   std::array<std::array<CellSums, 256>, 8> sums{};
   for (unsigned eight = 0; eight < 8; eight++)
@@ -385,9 +385,8 @@ std::vector<uint32_t> detectEdges(const OccupiedVoxels& voxels, const VoxelBlock
     most.variation = -1;
     for (uint32_t i = first_of[k]; i < first_of[k + 1]; i++) {
       const octomap::OcTreeKey& key = voxels.key[i];
-      const Plane here = key == pieces.voxels.key[k]
-                             ? own
-                             : surfaceAround(occupied, bend_ball, key, params);
+      const Plane here =
+          key == pieces.voxels.key[k] ? own : surfaceAround(occupied, bend_ball, key, params);
       if (here.variation <= most.variation) continue;
       most = here;
       best = i;
@@ -404,7 +403,9 @@ std::vector<uint32_t> detectEdges(const OccupiedVoxels& voxels, const VoxelBlock
       const auto [i, plane] = mostBent(k);
       const octomap::OcTreeKey& key = voxels.key[i];
       const Eigen::Vector3f& normal = plane.normal;
-      if (normal.isZero(0) || angleCost(near, cost_ball, key, normal, surfaces.normal) <= params.kappa) continue;
+      if (normal.isZero(0) ||
+          angleCost(near, cost_ball, key, normal, surfaces.normal) <= params.kappa)
+        continue;
       tracer.moveTo(key);
       const Eigen::Vector3f u = acrossEdge(near, bend_ball, key, normal, surfaces.normal);
       if (isBend(tracer, directions, normal, u, params)) found[c] = i;

@@ -152,8 +152,11 @@ VoxelBlocks::Ball::Ball(double radius, double beyond)
       for (int by = -reach_; by <= reach_; by++)
         for (int bx = -reach_; bx <= reach_; bx++)
           if (const uint64_t mask = of(cell, bx, by, bz)) {
-            const auto lowest = [](int block, int at) { return static_cast<int8_t>(4 * block - at); };
-            parts_.push_back({mask, static_cast<uint8_t>(besideOf(bx, by, bz)),
+            const auto lowest = [](int block, int at) {
+              return static_cast<int8_t>(4 * block - at);
+            };
+            parts_.push_back({mask,
+                              static_cast<uint8_t>(besideOf(bx, by, bz)),
                               {lowest(bx, x), lowest(by, y), lowest(bz, z)}});
           }
     part_[cell + 1] = parts_.size();

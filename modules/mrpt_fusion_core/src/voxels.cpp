@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/fusion/voxels.h>
 #include <mrpt/maps/octree_voxels.h>
+#include <mrpt/maps/remembered_function.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace mrpt::fusion {
 namespace {
@@ -58,15 +58,11 @@ size_t strideFor(size_t voxels, size_t enough) {
 MapStatistics statisticsOf(const octomap::OcTree& map) {
   MapStatistics s;
   double entropy_occupied = 0, entropy_free = 0;
-  float last = std::numeric_limits<float>::quiet_NaN();  // neighbours are often as sure
-  double entropy = 0;
+  mrpt::maps::RememberedFunction entropy(
+      [](float log_odds) { return binaryEntropy(octomap::probability(log_odds)); });
   mrpt::maps::forEachLeaf(map, [&](const mrpt::maps::OcTreeCube& leaf, const auto& node) {
     const size_t side = leaf.side(), n = side * side * side;
-    if (node.getLogOdds() != last) {
-      last = node.getLogOdds();
-      entropy = binaryEntropy(node.getOccupancy());
-    }
-    const double h = static_cast<double>(n) * entropy;
+    const double h = static_cast<double>(n) * entropy(node.getLogOdds());
     if (map.isNodeOccupied(node)) {
       s.occupied += n;
       entropy_occupied += h;

@@ -229,8 +229,8 @@ class VoxelBlocks {
    * returns true. */
   template <class F>
   void forEachBlock(const Place& low, const Place& high, F&& f) const;
-  /** Calls `f(block, found, lowest)` for the blocks with voxels in the ball around a place, the mask
-   * of these and the offset of the block's lowest cell, until f returns true. */
+  /** Calls `f(block, found, lowest)` for the blocks with voxels in the ball around a place, the
+   * mask of these and the offset of the block's lowest cell, until f returns true. */
   template <class F>
   void forEachPart(const Place& place, const Ball& ball, F&& f) const;
   /** The cells of a cube whose coordinate along an axis is in [low, high], cut to the cube. */
@@ -243,7 +243,8 @@ class VoxelBlocks {
       {0, 0x0000333300003333, 0x0000FFFF0000FFFF, 0x3333FFFF3333FFFF, ~uint64_t{0}},
       {0, 0x000000000F0F0F0F, 0x00000000FFFFFFFF, 0x0F0F0F0FFFFFFFFF, ~uint64_t{0}}};
 
-  // The blocks, in the order of the octree: what most questions are answered by lies close together.
+  // The blocks, in the order of the octree: what most questions are answered by lies close
+  // together.
   std::vector<Cells> blocks_;     // of the voxels
   std::vector<Ranks> ranks_;      // of each block's
   std::vector<Beside> beside_;    // of each

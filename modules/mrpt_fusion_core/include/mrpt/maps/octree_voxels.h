@@ -2,6 +2,7 @@
 #pragma once
 
 #include <mrpt/maps/octree_build.h>
+#include <mrpt/maps/remembered_function.h>
 #include <octomap/OcTree.h>
 
 #include <Eigen/Geometry>
@@ -99,7 +100,7 @@ template <class F, class OnFree = IgnoreCube>
 void forEachOccupiedVoxel(const octomap::OcTree& tree, size_t max_voxels, F&& f,
                           OnFree&& on_free = {}) {
   size_t count = 0;
-  float last = 0, probability = 0.5F;  // neighbours are often as sure as each other
+  RememberedFunction probability([](float log_odds) { return octomap::probability(log_odds); });
   forEachLeaf(tree, [&](const OcTreeCube& cube, const octomap::OcTreeNode& node) {
     if (!tree.isNodeOccupied(node)) return on_free(cube);
     const uint64_t volume = uint64_t{1} << (3 * (OcTreeCube::kMaxDepth - cube.depth));
@@ -107,11 +108,8 @@ void forEachOccupiedVoxel(const octomap::OcTree& tree, size_t max_voxels, F&& f,
       throw std::length_error("the map has more than " + std::to_string(max_voxels) +
                               " occupied voxels");
     count += volume;
-    if (node.getLogOdds() != last) {
-      last = node.getLogOdds();
-      probability = static_cast<float>(node.getOccupancy());
-    }
-    forEachVoxel(cube, [&](const octomap::OcTreeKey& key) { f(key, probability); });
+    const auto p = static_cast<float>(probability(node.getLogOdds()));
+    forEachVoxel(cube, [&](const octomap::OcTreeKey& key) { f(key, p); });
   });
 }
 
