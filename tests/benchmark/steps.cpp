@@ -210,9 +210,8 @@ void search(State& state, const Workload& w) {
     few.voxels.key.push_back(all.voxels.key[i]);
     few.surfaces.normal.push_back(all.surfaces.normal[i]);
   }
-  measure(state, [&] {
-    return searchAround(*w.pair.a, w.a.voxels, w.a.matched.surfaces, few, w.guess, w.params.search);
-  });
+  measure(state,
+          [&] { return searchAround(w.a, w.a.matched.surfaces, few, w.guess, w.params.search); });
   report(state, w.voxelsOfBoth(),  // the tree and the voxels of A in
          bytesOf(*w.pair.a) + bytesOf(w.a.voxels.key) + bytesOf(few.voxels.centre));
 }

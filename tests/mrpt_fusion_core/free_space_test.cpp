@@ -3,7 +3,9 @@
 #include <mrpt/fusion/voxels.h>
 #include <mrpt/maps/octree_build.h>
 
+#include <algorithm>
 #include <random>
+#include <vector>
 
 #include "test_maps.h"
 
@@ -66,6 +68,36 @@ TEST(FreeSpace, IsWhatTheTreeSays) {
                                      static_cast<octomap::key_type>(z));
         ASSERT_EQ(free.has(key), isFreeIn(map, key)) << x << " " << y << " " << z;
       }
+}
+
+TEST(FreeSpace, CubesHoldAllThatIsFreeAndNoneHoldsNothing) {
+  octomap::OcTree map(0.1);
+  RandomVisitor visitor;
+  mrpt::maps::buildOcTree(map, {}, visitor);
+  const FreeSpace free = freeSpaceOf(map);
+  for (const unsigned height : {0U, 1U, 2U, 5U}) {
+    const int side = 1 << std::min(height, 2U), cells = kSide / side;
+    const auto indexOf = [&](int x, int y, int z) {
+      return static_cast<size_t>((z * cells + y) * cells + x);
+    };
+    std::vector<bool> expected(indexOf(0, 0, cells)), found(expected.size());
+    for (int x = 0; x < kSide; x++)
+      for (int y = 0; y < kSide; y++)
+        for (int z = 0; z < kSide; z++)
+          if (free.has({static_cast<octomap::key_type>(kLow + x),
+                        static_cast<octomap::key_type>(kLow + y),
+                        static_cast<octomap::key_type>(kLow + z)}))
+            expected[indexOf(x / side, y / side, z / side)] = true;
+    free.forEachCube(height, [&](const OcTreeCube& cube) {
+      ASSERT_GE(static_cast<int>(cube.side()), side);
+      const int n = static_cast<int>(cube.side()) / side;
+      const int x = (cube.key[0] - kLow) / side, y = (cube.key[1] - kLow) / side,
+                z = (cube.key[2] - kLow) / side;
+      for (int i = 0; i < n * n * n; i++)
+        found.at(indexOf(x + i % n, y + i / n % n, z + i / n / n)) = true;
+    });
+    EXPECT_TRUE(found == expected) << height;
+  }
 }
 
 TEST(FreeSpace, OneLeafStandsForTheWholeSpace) {

@@ -24,8 +24,8 @@ class Search : public testing::Test {
   }
   std::vector<Hypothesis> search(const octomap::OcTree& map, const OccupiedVoxels& of_scene,
                                  const Eigen::Isometry3d& guess, const SearchParams& p) const {
-    const OccupiedVoxels all = extractOccupiedVoxels(map);
-    return searchAround(map, all, computeSurfaces(all, {}),
+    const MapVoxels all(map);
+    return searchAround(all, computeSurfaces(all.voxels, {}),
                         {of_scene, computeSurfaces(of_scene, {})}, guess, p);
   }
   /** Turned about the middle of the scene, as the search turns it. */

@@ -508,9 +508,8 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
       [&] {
         const bool turns =
             params.search.isEverywhere() && params.search.rotations == SearchRotations::All;
-        found =
-            turns ? searchAllRotations(*a.map, a.voxels, a.matched.surfaces, scene, params.search)
-                  : searchAround(*a.map, a.voxels, a.matched.surfaces, scene, T_a_b, params.search);
+        found = turns ? searchAllRotations(a, a.matched.surfaces, scene, params.search)
+                      : searchAround(a, a.matched.surfaces, scene, T_a_b, params.search);
       });
   const VoxelAssociation& association = *of_voxels;
   const PoseComparison& by_many = *comparison;

@@ -51,9 +51,8 @@ class ScoreGrid {
     }
   };
 
-  /** The part of \a map within \a region. \param[in] a All of its occupied voxels. */
-  ScoreGrid(const octomap::OcTree& map, const OccupiedVoxels& a, const Eigen::AlignedBox3d& region,
-            const Layout& layout)
+  /** The part of \a map within \a region. */
+  ScoreGrid(const MapVoxels& map, const Eigen::AlignedBox3d& region, const Layout& layout)
       : layout_(layout) {
     const Cell low = layout.cellOf(region.min()), high = layout.cellOf(region.max());
     for (unsigned axis = 0; axis < 3; axis++) {
@@ -61,8 +60,9 @@ class ScoreGrid {
       size_[axis] = high[axis] + 2 - low_[axis];
     }
     values_.assign(cells() + kLanes, kUnknown);  // a run's padding may lie beyond the last row
-    if (map.getRoot()) markKnown(map, *map.getRoot(), {});
-    for (const auto& key : a.key) mark(layout.cellOf(key), 1, kOccupied);
+    map.free.forEachCube(layout.level,
+                         [this](const mrpt::maps::OcTreeCube& cube) { markFree(cube); });
+    for (const auto& key : map.voxels.key) mark(layout.cellOf(key), 1, kOccupied);
     clearBesideOccupied();
   }
 
@@ -134,16 +134,10 @@ class ScoreGrid {
            static_cast<size_t>(x);
   }
 
-  /** Free for now are all cells of which anything is known. */
-  void markKnown(const octomap::OcTree& map, const octomap::OcTreeNode& node,
-                 const mrpt::maps::OcTreeCube& cube) {
-    const unsigned height = cube.kMaxDepth - cube.depth;
-    if (height <= layout_.level || !map.nodeHasChildren(&node)) {
-      mark(layout_.cellOf(cube.key), 1 << (std::max(height, layout_.level) - layout_.level), kFree);
-      return;
-    }
-    for (unsigned i = 0; i < 8; i++)
-      if (map.nodeChildExists(&node, i)) markKnown(map, *map.getNodeChild(&node, i), cube.child(i));
+  /** Free for now are all cells that have a free voxel. */
+  void markFree(const mrpt::maps::OcTreeCube& cube) {
+    const unsigned level = std::max(cube.kMaxDepth - cube.depth, layout_.level);
+    mark(layout_.cellOf(cube.key), 1 << (level - layout_.level), kFree);
   }
 
   /** Sets the cells of a cube, as far as they are in the grid. */
@@ -328,11 +322,16 @@ Eigen::AlignedBox3d boxOfMost(const OccupiedVoxels& voxels) {
   const size_t stray = voxels.key.size() / 200;
   if (voxels.key.empty()) return box;
   for (unsigned axis = 0; axis < 3; axis++) {
-    std::vector<uint32_t> layers(size_t{std::numeric_limits<octomap::key_type>::max()} + 1);
-    for (const auto& key : voxels.key) layers[key[axis]]++;
-    const double origin = 0.5 * static_cast<double>(layers.size());
-    const auto middleOf = [&](size_t key) {  // as OccupiedVoxels::centre, bit for bit
-      return static_cast<float>(voxels.resolution * (static_cast<double>(key) - origin + 0.5));
+    const auto [first, last] =
+        std::minmax_element(voxels.key.begin(), voxels.key.end(),
+                            [=](const auto& a, const auto& b) { return a[axis] < b[axis]; });
+    const size_t lowest = (*first)[axis];
+    std::vector<uint32_t> layers((*last)[axis] - lowest + 1);
+    for (const auto& key : voxels.key) layers[key[axis] - lowest]++;
+    constexpr double kOrigin = 0.5 * (1U << mrpt::maps::OcTreeCube::kMaxDepth);
+    const auto middleOf = [&](size_t layer) {  // as OccupiedVoxels::centre, bit for bit
+      const auto key = static_cast<double>(lowest + layer);
+      return static_cast<float>(voxels.resolution * (key - kOrigin + 0.5));
     };
     size_t low = 0, high = layers.size() - 1;
     for (size_t outside = layers[low]; outside <= stray;) outside += layers[++low];
@@ -406,15 +405,15 @@ Points someOf(const Points& points, size_t enough) {
 /** A search of the poses around a guess, see searchAround(). */
 class PoseSearch {
  public:
-  PoseSearch(const octomap::OcTree& map_a, const OccupiedVoxels& a, const Surfaces& surfaces_a,
-             const SurfaceVoxels& b, const Eigen::Isometry3d& T_a_b, const SearchParams& params)
-      : map_a_(map_a), a_(a), params_(params) {
+  PoseSearch(const MapVoxels& a, const Surfaces& surfaces_a, const SurfaceVoxels& b,
+             const Eigen::Isometry3d& T_a_b, const SearchParams& params)
+      : a_(a), params_(params) {
     if (params.isEverywhere()) walls_.emplace(surfaces_a.normal, b.surfaces.normal, T_a_b);
     heights_ = {-params.height, params.height};
     const Eigen::AlignedBox3d most = boxOfMost(b.voxels);
     for (const auto& p : b.voxels.centre)
       if (most.contains(p.cast<double>())) points_.push_back(p);
-    box_a_ = boxOfMost(a);
+    box_a_ = boxOfMost(a.voxels);
     const Eigen::Vector3d middle = T_a_b * meanOf(points_);
     for (const auto& p : points_)
       radius_ = std::max(radius_, (T_a_b * p.cast<double>() - middle).head<2>().norm());
@@ -425,7 +424,7 @@ class PoseSearch {
   }
 
   std::vector<Hypothesis> run() {
-    std::vector<ScoreGrid> grids = {ScoreGrid(map_a_, a_, region_, finest_)};
+    std::vector<ScoreGrid> grids = {ScoreGrid(a_, region_, finest_)};
     constexpr double kLittleWork = 5e7, kMostWork = 2e9;
     // By few points, more if it is worth it, at the finest level whose places are few enough, then
     // down around the best.
@@ -478,9 +477,9 @@ class PoseSearch {
    * however far apart the pieces of the maps lie; rounded up to a cube of A's octree. */
   ScoreGrid::Layout layoutFor(double resolution_b) const {
     constexpr double kMostCells = 64e6;
-    const double least = std::max({params_.cell, 2 * a_.resolution, 2 * resolution_b,
+    const double least = std::max({params_.cell, 2 * a_.voxels.resolution, 2 * resolution_b,
                                    std::cbrt(region_.volume() / kMostCells)});
-    ScoreGrid::Layout layout{a_.resolution, 0};
+    ScoreGrid::Layout layout{a_.voxels.resolution, 0};
     while (layout.cell < least * (1 - 1e-9)) {
       layout.cell *= 2;
       layout.level++;
@@ -491,13 +490,13 @@ class PoseSearch {
   /** Moves the lattice to the height at which most obstacles find one at their own: half a wide
    * cell off, floors, which are most of a map, would miss each other at all of its places. */
   void alignFloors() {
-    const double step = std::max(a_.resolution, 0.25 * lattice_.cell);
+    const double step = std::max(a_.voxels.resolution, 0.25 * lattice_.cell);
     const auto layerOf = [step](double z) { return static_cast<int>(std::floor(z / step)); };
     const Eigen::AlignedBox3d box_b = boxOf(points_, lattice_.T_a_b);
     const int low_a = layerOf(box_a_.min().z()), low_b = layerOf(box_b.min().z());
     std::vector<double> layers_a(static_cast<size_t>(layerOf(box_a_.max().z()) - low_a + 1));
     std::vector<double> layers_b(static_cast<size_t>(layerOf(box_b.max().z()) - low_b + 1));
-    for (const auto& p : a_.centre) {
+    for (const auto& p : a_.voxels.centre) {
       const int layer = layerOf(p.z()) - low_a;
       if (layer >= 0 && layer < static_cast<int>(layers_a.size()))
         layers_a[static_cast<size_t>(layer)]++;
@@ -644,8 +643,7 @@ class PoseSearch {
     return all;
   }
 
-  const octomap::OcTree& map_a_;
-  const OccupiedVoxels& a_;
+  const MapVoxels& a_;
   Points points_;  // of the scene
   const SearchParams& params_;
   std::optional<WallDirections> walls_;
@@ -665,12 +663,13 @@ SearchParams everywhere(SearchParams params) {
   return params;
 }
 
-std::vector<Hypothesis> searchAround(const octomap::OcTree& map_a, const OccupiedVoxels& a,
-                                     const Surfaces& surfaces_a, const SurfaceVoxels& b,
-                                     const Eigen::Isometry3d& T_a_b, const SearchParams& params) {
-  if (a.size() == 0 || b.voxels.size() == 0 || params.translation <= 0 || params.hypotheses == 0)
+std::vector<Hypothesis> searchAround(const MapVoxels& a, const Surfaces& surfaces_a,
+                                     const SurfaceVoxels& b, const Eigen::Isometry3d& T_a_b,
+                                     const SearchParams& params) {
+  if (a.voxels.size() == 0 || b.voxels.size() == 0 || params.translation <= 0 ||
+      params.hypotheses == 0)
     return {};
-  return PoseSearch(map_a, a, surfaces_a, b, T_a_b, params).run();
+  return PoseSearch(a, surfaces_a, b, T_a_b, params).run();
 }
 
 std::vector<Eigen::Vector3d> dominantDirections(const Surfaces& surfaces, size_t most) {
@@ -714,9 +713,8 @@ std::vector<Eigen::Vector3d> dominantDirections(const Surfaces& surfaces, size_t
   return directions;
 }
 
-std::vector<Hypothesis> searchAllRotations(const octomap::OcTree& map_a, const OccupiedVoxels& a,
-                                           const Surfaces& surfaces_a, const SurfaceVoxels& b,
-                                           const SearchParams& params) {
+std::vector<Hypothesis> searchAllRotations(const MapVoxels& a, const Surfaces& surfaces_a,
+                                           const SurfaceVoxels& b, const SearchParams& params) {
   constexpr size_t kDirections = 4;
   const double upright = std::cos(3 * M_PI / 180);  // matching takes up as much
   const auto facing_a = dominantDirections(surfaces_a, 1);
@@ -727,13 +725,13 @@ std::vector<Hypothesis> searchAllRotations(const octomap::OcTree& map_a, const O
   const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
   Eigen::Isometry3d T_turned_a = Eigen::Isometry3d::Identity();
   std::unique_ptr<octomap::OcTree> turned_map;
-  OccupiedVoxels turned_voxels;
+  MapVoxels turned;
   Surfaces turned_surfaces;
   const bool is_upright = std::abs(facing_a[0].dot(z)) > upright;
   if (!is_upright) {
     T_turned_a.linear() = Eigen::Quaterniond::FromTwoVectors(facing_a[0], z).toRotationMatrix();
-    turned_map = mrpt::maps::transformOcTree(map_a, T_turned_a, map_a.getResolution());
-    turned_voxels = extractOccupiedVoxels(*turned_map);
+    turned_map = mrpt::maps::transformOcTree(*a.map, T_turned_a, a.map->getResolution());
+    turned = MapVoxels(*turned_map);
     turned_surfaces = surfaces_a;
     for (auto& n : turned_surfaces.normal) n = T_turned_a.linear().cast<float>() * n;
   }
@@ -745,9 +743,8 @@ std::vector<Hypothesis> searchAllRotations(const octomap::OcTree& map_a, const O
       T.linear() =
           Eigen::Quaterniond::FromTwoVectors(sign * direction, T_turned_a.linear() * facing_a[0])
               .toRotationMatrix();
-      auto found = is_upright
-                       ? searchAround(map_a, a, surfaces_a, b, T, params)
-                       : searchAround(*turned_map, turned_voxels, turned_surfaces, b, T, params);
+      auto found = is_upright ? searchAround(a, surfaces_a, b, T, params)
+                              : searchAround(turned, turned_surfaces, b, T, params);
       for (Hypothesis& h : found) h.T_a_b = T_turned_a.inverse() * h.T_a_b;
       all.insert(all.end(), found.begin(), found.end());
     }

@@ -82,19 +82,6 @@ double probabilityOfBeingRight(double overlap, double conflict_ratio, double run
  * direction that is known least. */
 double probabilityOfStaying(const PoseDeviation& deviation);
 
-/** A map, and its voxels. */
-struct MapVoxels {
-  MapVoxels() = default;
-  /** Extracts them. \param[in] of Not owned, must outlive this. */
-  explicit MapVoxels(const octomap::OcTree& of)
-      : map(&of), voxels(extractOccupiedVoxels(of, free)), occupied(voxels.key) {}
-
-  const octomap::OcTree* map = nullptr;  ///< not owned, must outlive this, and stay as it is
-  FreeSpace free;                        ///< all free voxels
-  OccupiedVoxels voxels;                 ///< all occupied ones
-  VoxelBlocks occupied;                  ///< the same, by their place
-};
-
 /** See findingAt(). */
 enum class Finding : uint8_t {
   Unknown,   ///< the map does not know the place

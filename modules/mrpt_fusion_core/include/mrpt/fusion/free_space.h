@@ -4,6 +4,7 @@
 #include <mrpt/fusion/voxel_blocks.h>
 #include <mrpt/maps/octree_build.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -34,13 +35,32 @@ class FreeSpace {
   /** Whether a voxel is free. */
   bool has(const octomap::OcTreeKey& key) const;
 
+  /** Calls `f(const OcTreeCube&)` for cubes that hold all free voxels between them: those of a side
+   * of 2^\a height voxels, but not more than four, in which at least one is free, and larger ones
+   * that are free all over. */
+  template <class F>
+  void forEachCube(unsigned height, F&& f) const {
+    using mrpt::maps::OcTreeCube;
+    const unsigned depth = std::max(kVoxel - std::min(height, kVoxel), kBlock);
+    const unsigned cells = 1U << (3 * (kVoxel - depth));
+    const uint64_t all = cells == 64 ? ~uint64_t{0} : (uint64_t{1} << cells) - 1;
+    blocks_.forEach([&](uint32_t i, const VoxelBlocks::Place& block) {
+      for (unsigned first = 0; first < 64; first += cells)
+        if (masks_[i] >> first & all) {
+          const auto at = VoxelBlocks::coordinatesOf(static_cast<int>(first));
+          const auto key = [&](unsigned axis) {
+            return static_cast<octomap::key_type>(4 * block[axis] + at[axis]);
+          };
+          f(OcTreeCube{{key(0), key(1), key(2)}, depth});
+        }
+    });
+    for (const OcTreeCube& cube : cubes_) f(cube);
+  }
+
  private:
   static constexpr unsigned kVoxel = mrpt::maps::OcTreeCube::kMaxDepth;
   static constexpr unsigned kBlock = kVoxel - 2;  ///< the depth of a block of 4x4x4 voxels
 
-  struct Range {  // in octreeOrder()
-    uint64_t first, end;
-  };
   static octomap::OcTreeKey blockOf(const octomap::OcTreeKey& k) {
     const auto by_four = [](octomap::key_type x) { return static_cast<octomap::key_type>(x >> 2); };
     return {by_four(k[0]), by_four(k[1]), by_four(k[2])};
@@ -55,7 +75,7 @@ class FreeSpace {
   std::vector<octomap::OcTreeKey> keys_;  // of the blocks, until they are indexed; by four voxels
   std::vector<uint64_t> masks_;           // of each block's voxels
   VoxelBlocks blocks_;                    // which block lies where
-  std::vector<Range> cubes_;              // larger than eight blocks, in order
+  std::vector<mrpt::maps::OcTreeCube> cubes_;  // larger than eight blocks, in order
 };
 
 }  // namespace mrpt::fusion

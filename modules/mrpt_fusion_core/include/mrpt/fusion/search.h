@@ -54,16 +54,15 @@ struct Hypothesis {
  * of a coarser lattice, on A's octree at a lesser depth, then the neighbourhoods of the best. From
  * everywhere() only yaws that lay walls along walls are tried, as far as the maps have any.
  *
- * \param[in] map_a Map A. \param[in] a All of A's occupied voxels. \param[in] surfaces_a Of all or
- * some of them. \param[in] b Some of B's occupied voxels, spread evenly, about one to a cell.
- * \param[in] T_a_b The guess: pose of map B in A's frame. \param[in] params How far, how finely.
- * \return The best poses that are three cells or 10 deg apart, best first: nearer ones lead to the
- * same place. Deterministic, whatever the number of threads. Cost: yaws * translations * voxels
- * of B, in contiguous runs of bytes.
+ * \param[in] a Map A. \param[in] surfaces_a Of all or some of its voxels. \param[in] b Some of B's
+ * occupied voxels, spread evenly, about one to a cell. \param[in] T_a_b The guess: pose of map B in
+ * A's frame. \param[in] params How far, how finely. \return The best poses that are three cells or
+ * 10 deg apart, best first: nearer ones lead to the same place. Deterministic, whatever the number
+ * of threads. Cost: yaws * translations * voxels of B, in contiguous runs of bytes.
  */
-std::vector<Hypothesis> searchAround(const octomap::OcTree& map_a, const OccupiedVoxels& a,
-                                     const Surfaces& surfaces_a, const SurfaceVoxels& b,
-                                     const Eigen::Isometry3d& T_a_b, const SearchParams& params);
+std::vector<Hypothesis> searchAround(const MapVoxels& a, const Surfaces& surfaces_a,
+                                     const SurfaceVoxels& b, const Eigen::Isometry3d& T_a_b,
+                                     const SearchParams& params);
 
 /** The directions (unit, either sign stands for both) that most surfaces face, each 20 deg from the
  * others, the one of the most surface first; none that less than a fiftieth of all surfaces face.
@@ -76,8 +75,7 @@ std::vector<Eigen::Vector3d> dominantDirections(const Surfaces& surfaces, size_t
  * finds nothing where surfaces face everywhere alike, as in a cave.
  * \return The best poses of all these searches. Cost: eight searches, and if A's dominant direction
  * is not its z axis, an octree that is turned so that it is. */
-std::vector<Hypothesis> searchAllRotations(const octomap::OcTree& map_a, const OccupiedVoxels& a,
-                                           const Surfaces& surfaces_a, const SurfaceVoxels& b,
-                                           const SearchParams& params);
+std::vector<Hypothesis> searchAllRotations(const MapVoxels& a, const Surfaces& surfaces_a,
+                                           const SurfaceVoxels& b, const SearchParams& params);
 
 }  // namespace mrpt::fusion

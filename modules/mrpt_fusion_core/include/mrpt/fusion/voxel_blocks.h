@@ -97,6 +97,10 @@ class VoxelBlocks {
     return voxelAt(contentOf(block, cell));
   }
 
+  /** Calls `f(j, place)` for each voxel j, in the order of the octree. */
+  template <class F>
+  void forEach(F&& f) const;
+
   /** True if there is a voxel within the ball around a place. */
   bool anyAround(const Place& place, const Ball& ball) const;
 
@@ -256,6 +260,18 @@ class VoxelBlocks {
 };
 
 // ------------------------------------------------------------------------------------------------
+
+template <class F>
+void VoxelBlocks::forEach(F&& f) const {
+  for (uint32_t b = 0; b < blocks_.size(); b++) {
+    const auto [x, y, z] = places_[b];
+    uint32_t n = blocks_[b].first;
+    for (uint64_t found = blocks_[b].mask; found; found &= found - 1, n++) {
+      const int cell = __builtin_ctzll(found);
+      f(voxelAt(n), Place{4 * x + xOf(cell), 4 * y + yOf(cell), 4 * z + zOf(cell)});
+    }
+  }
+}
 
 template <class F>
 void VoxelBlocks::forEachBlock(const Place& low, const Place& high, F&& f) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <mrpt/fusion/free_space.h>
+#include <mrpt/fusion/voxel_blocks.h>
 #include <mrpt/maps/octree_voxels.h>
 #include <octomap/OcTree.h>
 
@@ -34,6 +35,19 @@ OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map,
  * In the same traversal, \param[out] free what is free: an empty one at first. */
 OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map, FreeSpace& free,
                                      size_t max_voxels = mrpt::maps::kMaxVoxels);
+
+/** A map, and its voxels. */
+struct MapVoxels {
+  MapVoxels() = default;
+  /** Extracts them. \param[in] of Not owned, must outlive this. */
+  explicit MapVoxels(const octomap::OcTree& of)
+      : map(&of), voxels(extractOccupiedVoxels(of, free)), occupied(voxels.key) {}
+
+  const octomap::OcTree* map = nullptr;  ///< not owned, must outlive this, and stay as it is
+  FreeSpace free;                        ///< all free voxels
+  OccupiedVoxels voxels;                 ///< all occupied ones
+  VoxelBlocks occupied;                  ///< the same, by their place
+};
 
 /** The middle of some points, m; the origin if there are none. */
 Eigen::Vector3d meanOf(const std::vector<Eigen::Vector3f>& points);
