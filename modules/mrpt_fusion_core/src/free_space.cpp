@@ -7,13 +7,15 @@
 
 namespace mrpt::fusion {
 
-void FreeSpace::addBlocks(const mrpt::maps::OcTreeCube& leaf) {
+void FreeSpace::addCube(const mrpt::maps::OcTreeCube& leaf) {
   // Eight blocks take as much memory as the leaf itself; a leaf may stand for 2^42 of them.
   if (leaf.depth < kBlock - 1) {
     cubes_.push_back(leaf);
   } else {
-    mrpt::maps::forEachVoxel({blockOf(leaf.key), leaf.depth + 2},
-                             [&](const auto& block) { add(block, ~uint64_t{0}); });
+    mrpt::maps::forEachVoxel({blockOf(leaf.key), leaf.depth + 2}, [&](const auto& block) {
+      keys_.push_back(block);
+      masks_.push_back(~uint64_t{0});
+    });
   }
 }
 

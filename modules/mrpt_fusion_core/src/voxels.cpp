@@ -5,44 +5,110 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
 
 namespace mrpt::fusion {
 namespace {
 
-template <class OnFree>
-OccupiedVoxels extract(const octomap::OcTree& map, size_t max_voxels, OnFree&& on_free) {
-  OccupiedVoxels voxels;
-  voxels.resolution = map.getResolution();
-  // More than most maps have, so that the arrays need not grow; what stays unused is not touched.
-  const size_t enough = map.size() / 4;
-  voxels.centre.reserve(enough);
-  voxels.probability.reserve(enough);
-  voxels.key.reserve(enough);
-  mrpt::maps::forEachOccupiedVoxel(
-      map, max_voxels,
-      [&](const octomap::OcTreeKey& key, float probability) {
-        voxels.centre.emplace_back(static_cast<float>(map.keyToCoord(key[0])),
-                                   static_cast<float>(map.keyToCoord(key[1])),
-                                   static_cast<float>(map.keyToCoord(key[2])));
-        voxels.probability.push_back(probability);
-        voxels.key.push_back(key);
-      },
-      on_free);
-  return voxels;
-}
+using mrpt::maps::OcTreeCube;
+
+/** One walk through an octree, for its occupied voxels and what is free. */
+class Extraction {
+ public:
+  /** \param[out] free What is free; null: not asked for. */
+  Extraction(const octomap::OcTree& map, size_t max_voxels, FreeSpace* free)
+      : map_(map), max_voxels_(max_voxels), free_(free) {
+    voxels_.resolution = map.getResolution();
+    // More than most maps have, so that the arrays need not grow; what stays unused is not touched.
+    const size_t enough = map.size() / 4;
+    voxels_.centre.reserve(enough);
+    voxels_.probability.reserve(enough);
+    voxels_.key.reserve(enough);
+  }
+
+  OccupiedVoxels run() {
+    if (const octomap::OcTreeNode* root = map_.getRoot()) walk(*root, {});
+    if (free_) free_->index();
+    return std::move(voxels_);
+  }
+
+ private:
+  void walk(const octomap::OcTreeNode& node, const OcTreeCube& cube) {
+    if (!map_.nodeHasChildren(&node))
+      addLeaf(node, cube);
+    else if (cube.depth == FreeSpace::kBlock)
+      walkBlock(node, cube);
+    else
+      for (unsigned i = 0; i < 8; i++)
+        if (map_.nodeChildExists(&node, i)) walk(*map_.getNodeChild(&node, i), cube.child(i));
+  }
+
+  /** Through a block of 4x4x4 voxels: most leaves are in one that is not free all over, and cost a
+   * bit of a mask there instead of a cube each. */
+  void walkBlock(const octomap::OcTreeNode& node, const OcTreeCube& block) {
+    uint64_t free = 0;
+    for (unsigned i = 0; i < 8; i++) {
+      if (!map_.nodeChildExists(&node, i)) continue;
+      const octomap::OcTreeNode& child = *map_.getNodeChild(&node, i);
+      if (!map_.nodeHasChildren(&child)) {
+        if (map_.isNodeOccupied(child))
+          addOccupied(child, block.child(i));
+        else
+          free |= uint64_t{0xFF} << (8 * i);
+        continue;
+      }
+      for (unsigned j = 0; j < 8; j++) {
+        if (!map_.nodeChildExists(&child, j)) continue;
+        const octomap::OcTreeNode& leaf = *map_.getNodeChild(&child, j);
+        if (map_.isNodeOccupied(leaf))
+          addOccupied(leaf, block.child(i).child(j));
+        else
+          free |= uint64_t{1} << (8 * i + j);
+      }
+    }
+    if (free_ && free) free_->addBlock(block.key, free);
+  }
+
+  void addLeaf(const octomap::OcTreeNode& leaf, const OcTreeCube& cube) {
+    if (map_.isNodeOccupied(leaf))
+      addOccupied(leaf, cube);
+    else if (free_)
+      free_->addCube(cube);
+  }
+
+  void addOccupied(const octomap::OcTreeNode& leaf, const OcTreeCube& cube) {
+    const uint64_t volume = uint64_t{1} << (3 * (OcTreeCube::kMaxDepth - cube.depth));
+    if (volume > max_voxels_ - voxels_.size())
+      throw std::length_error("the map has more than " + std::to_string(max_voxels_) +
+                              " occupied voxels");
+    const auto probability = static_cast<float>(probability_(leaf.getLogOdds()));
+    mrpt::maps::forEachVoxel(cube, [&](const octomap::OcTreeKey& key) {
+      voxels_.centre.emplace_back(static_cast<float>(map_.keyToCoord(key[0])),
+                                  static_cast<float>(map_.keyToCoord(key[1])),
+                                  static_cast<float>(map_.keyToCoord(key[2])));
+      voxels_.probability.push_back(probability);
+      voxels_.key.push_back(key);
+    });
+  }
+
+  const octomap::OcTree& map_;
+  size_t max_voxels_;
+  FreeSpace* free_;
+  OccupiedVoxels voxels_;
+  mrpt::maps::RememberedFunction<double (*)(double)> probability_{octomap::probability};
+};
 
 }  // namespace
 
 OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map, size_t max_voxels) {
-  return extract(map, max_voxels, mrpt::maps::IgnoreCube());
+  return Extraction(map, max_voxels, nullptr).run();
 }
 
 OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map, FreeSpace& free,
                                      size_t max_voxels) {
-  OccupiedVoxels voxels =
-      extract(map, max_voxels, [&](const mrpt::maps::OcTreeCube& leaf) { free.add(leaf); });
-  free.index();
-  return voxels;
+  return Extraction(map, max_voxels, &free).run();
 }
 
 Eigen::Vector3d meanOf(const std::vector<Eigen::Vector3f>& points) {

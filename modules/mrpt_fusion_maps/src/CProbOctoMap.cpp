@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/fusion/voxels.h>
 #include <mrpt/fusion_compat.h>
 #include <mrpt/maps/CPointsMap.h>
 #include <mrpt/maps/CProbOctoMap.h>
@@ -9,7 +10,6 @@
 #include <mrpt/maps/map_files.h>
 #include <mrpt/maps/octree_build.h>
 #include <mrpt/maps/octree_io.h>
-#include <mrpt/maps/octree_voxels.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationPointCloud.h>
@@ -398,11 +398,8 @@ namespace {
 /** The centres of a map's occupied voxels, in the order of the octree. */
 std::shared_ptr<CSimplePointsMap> occupiedPoints(const octomap::OcTree& tree) {
   auto points = std::make_shared<CSimplePointsMap>();
-  forEachOccupiedVoxel(tree, kMaxVoxels, [&](const octomap::OcTreeKey& key, float) {
-    points->insertPointFast(static_cast<float>(tree.keyToCoord(key[0])),
-                            static_cast<float>(tree.keyToCoord(key[1])),
-                            static_cast<float>(tree.keyToCoord(key[2])));
-  });
+  for (const auto& p : mrpt::fusion::extractOccupiedVoxels(tree).centre)
+    points->insertPointFast(p.x(), p.y(), p.z());
   points->mark_as_modified();  // insertPointFast() leaves that to its caller
   return points;
 }
@@ -547,9 +544,7 @@ void CProbOctoMap::loadFromOcTreeFile(const std::string& path) {
   withPath(path, [&] { setOctree(parseOcTreeFile(readFileBytes(path))); });
 }
 
-void CProbOctoMap::saveToOcTreeFile(const std::string& path) const {
-  saveOcTree(*m_octree, path);
-}
+void CProbOctoMap::saveToOcTreeFile(const std::string& path) const { saveOcTree(*m_octree, path); }
 
 void CProbOctoMap::saveMetricMapRepresentationToFile(const std::string& filNamePrefix) const {
   Scene scene;

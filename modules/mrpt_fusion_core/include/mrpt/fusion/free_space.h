@@ -16,15 +16,15 @@ namespace mrpt::fusion {
  */
 class FreeSpace {
  public:
-  /** Adds a free leaf; they come in the order of the octree. */
-  void add(const mrpt::maps::OcTreeCube& leaf) {
-    if (leaf.depth <= kBlock) {
-      addBlocks(leaf);
-      return;
-    }
-    const octomap::OcTreeKey block = blockOf(leaf.key);
-    if (keys_.empty() || keys_.back() != block) add(block, 0);
-    masks_.back() |= (leaf.depth == kVoxel ? 1 : uint64_t{0xFF}) << cellOf(leaf.key);
+  /** The depth in the octree of a block of 4x4x4 voxels. */
+  static constexpr unsigned kBlock = mrpt::maps::OcTreeCube::kMaxDepth - 2;
+  /** Adds a free leaf of a block or more. All that is added comes in the order of the octree. */
+  void addCube(const mrpt::maps::OcTreeCube& leaf);
+  /** Adds free voxels of a block. \param[in] key Of its lowest voxel. \param[in] mask Which are
+   * free, a bit for each in the order of the octree. */
+  void addBlock(const octomap::OcTreeKey& key, uint64_t mask) {
+    keys_.push_back(blockOf(key));
+    masks_.push_back(mask);
   }
   /** Makes ready for questions, when all have been added. */
   void index() {
@@ -59,19 +59,12 @@ class FreeSpace {
 
  private:
   static constexpr unsigned kVoxel = mrpt::maps::OcTreeCube::kMaxDepth;
-  static constexpr unsigned kBlock = kVoxel - 2;  ///< the depth of a block of 4x4x4 voxels
 
   static octomap::OcTreeKey blockOf(const octomap::OcTreeKey& k) {
     const auto by_four = [](octomap::key_type x) { return static_cast<octomap::key_type>(x >> 2); };
     return {by_four(k[0]), by_four(k[1]), by_four(k[2])};
   }
   static int cellOf(const octomap::OcTreeKey& k) { return VoxelBlocks::cellOf(k[0], k[1], k[2]); }
-  void add(const octomap::OcTreeKey& block, uint64_t mask) {
-    keys_.push_back(block);
-    masks_.push_back(mask);
-  }
-  void addBlocks(const mrpt::maps::OcTreeCube& leaf);
-
   std::vector<octomap::OcTreeKey> keys_;  // of the blocks, until they are indexed; by four voxels
   std::vector<uint64_t> masks_;           // of each block's voxels
   VoxelBlocks blocks_;                    // which block lies where

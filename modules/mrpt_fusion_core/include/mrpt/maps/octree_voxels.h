@@ -2,15 +2,12 @@
 #pragma once
 
 #include <mrpt/maps/octree_build.h>
-#include <mrpt/maps/remembered_function.h>
 #include <octomap/OcTree.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <stdexcept>
-#include <string>
 
 /** \file
  * Walking through the voxels of an octree, pruned leaves expanded: octomap's iterators keep a stack
@@ -86,31 +83,6 @@ void forEachVoxel(const OcTreeCube& cube, F&& f) {
         static_cast<octomap::key_type>(cube.key[0] + detail::everyThirdBit(i)),
         static_cast<octomap::key_type>(cube.key[1] + detail::everyThirdBit(i >> 1)),
         static_cast<octomap::key_type>(cube.key[2] + detail::everyThirdBit(i >> 2))));
-}
-
-/** Does nothing with a cube. */
-struct IgnoreCube {
-  void operator()(const OcTreeCube&) const {}  ///< Nothing.
-};
-
-/** Calls `f(const OcTreeKey&, float probability)` for each occupied finest voxel, in the order of
- * the octree, and `on_free(const OcTreeCube&)` for each free leaf. \exception std::length_error If
- * there are more than \a max_voxels; f may have been called for some. */
-template <class F, class OnFree = IgnoreCube>
-void forEachOccupiedVoxel(const octomap::OcTree& tree, size_t max_voxels, F&& f,
-                          OnFree&& on_free = {}) {
-  size_t count = 0;
-  RememberedFunction probability([](float log_odds) { return octomap::probability(log_odds); });
-  forEachLeaf(tree, [&](const OcTreeCube& cube, const octomap::OcTreeNode& node) {
-    if (!tree.isNodeOccupied(node)) return on_free(cube);
-    const uint64_t volume = uint64_t{1} << (3 * (OcTreeCube::kMaxDepth - cube.depth));
-    if (volume > max_voxels || count + volume > max_voxels)
-      throw std::length_error("the map has more than " + std::to_string(max_voxels) +
-                              " occupied voxels");
-    count += volume;
-    const auto p = static_cast<float>(probability(node.getLogOdds()));
-    forEachVoxel(cube, [&](const octomap::OcTreeKey& key) { f(key, p); });
-  });
 }
 
 }  // namespace mrpt::maps
