@@ -69,6 +69,14 @@ size_t bytesOf(const octomap::OcTree& tree) { return tree.memoryUsage(); }
 size_t bytesOf(const OccupiedVoxels& v) {
   return bytesOf(v.centre) + bytesOf(v.probability) + bytesOf(v.key);
 }
+/** A key and a mask for each block, a key and a depth for each larger cube. */
+size_t bytesOf(const FreeSpace& free) {
+  size_t bytes = 0;
+  free.forEachCube(2, [&](const mrpt::maps::OcTreeCube& cube) {
+    bytes += sizeof(cube.key) + (cube.depth == FreeSpace::kBlock ? sizeof(uint64_t) : 1);
+  });
+  return bytes;
+}
 size_t bytesOf(const Surfaces& s) {
   return bytesOf(s.normal) + bytesOf(s.point) + bytesOf(s.variation) + bytesOf(s.weight);
 }
@@ -212,15 +220,15 @@ void search(State& state, const Workload& w) {
   }
   measure(state,
           [&] { return searchAround(w.a, w.a.matched.surfaces, few, w.guess, w.params.search); });
-  report(state, w.voxelsOfBoth(),  // the tree and the voxels of A in
-         bytesOf(*w.pair.a) + bytesOf(w.a.voxels.key) + bytesOf(few.voxels.centre));
+  report(state, w.voxelsOfBoth(),  // what is free and occupied in A in
+         bytesOf(w.a.free) + bytesOf(w.a.voxels.key) + bytesOf(few.voxels.centre));
 }
 
 void match(State& state, const Workload& w) {
   const MatchResult r = measure(state, [&] { return matchMaps(w.a, w.b, w.guess, w.params); });
-  size_t bytes = bytesOf(r.pairs);  // out; in, of both: tree, voxels, surfaces, edges
+  size_t bytes = bytesOf(r.pairs);  // out; in, of both: free space, voxels, surfaces, edges
   for (const MapFeatures* f : {&w.a, &w.b})
-    bytes += bytesOf(*f->map) + bytesOf(f->voxels) + bytesOf(f->matched.voxels) +
+    bytes += bytesOf(f->free) + bytesOf(f->voxels) + bytesOf(f->matched.voxels) +
              bytesOf(f->matched.surfaces) + bytesOf(f->edges);
   report(state, w.voxelsOfBoth(), bytes);
   state.counters["error_m"] = errorOf(r.T_a_b, w.pair).centre;  // has it done its work?
@@ -229,8 +237,8 @@ void match(State& state, const Workload& w) {
 void evaluate(State& state, const Workload& w) {
   const Pairs pairs = pairVoxels(w.a, w.b, w.pair.T_a_b, w.params);
   measure(state, [&] { return evaluateMatch(w.a, w.b, pairs, w.pair.T_a_b, {}); });
-  report(state, w.voxelsOfBoth(),  // pairs, and of both tree, places and probabilities in
-         bytesOf(pairs) + bytesOf(*w.pair.a) + bytesOf(*w.pair.b) + bytesOf(w.a.voxels.centre) +
+  report(state, w.voxelsOfBoth(),  // pairs, and of both free space, places and probabilities in
+         bytesOf(pairs) + bytesOf(w.a.free) + bytesOf(w.b.free) + bytesOf(w.a.voxels.centre) +
              bytesOf(w.b.voxels.centre) + bytesOf(w.a.voxels.probability) +
              bytesOf(w.b.voxels.probability));
 }

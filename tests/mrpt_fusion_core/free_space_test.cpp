@@ -4,7 +4,6 @@
 #include <mrpt/maps/octree_build.h>
 
 #include <algorithm>
-#include <random>
 #include <vector>
 
 #include "test_maps.h"
@@ -13,29 +12,6 @@ namespace mrpt::fusion::test {
 namespace {
 
 using mrpt::maps::OcTreeCube;
-using mrpt::maps::OcTreeFill;
-
-constexpr int kSide = 128;  // of the known part, voxels
-constexpr octomap::key_type kLow = 32768 - kSide / 2;
-
-/** Splits and stops at random, down to finest voxels: unknown, free or occupied. */
-class RandomVisitor {
- public:
-  struct State {};
-  State descend(const State&, unsigned, const OcTreeCube&) const { return {}; }
-  OcTreeFill visit(const OcTreeCube& cube, const State&) {
-    for (const octomap::key_type low : {cube.key[0], cube.key[1], cube.key[2]})
-      if (low + cube.side() <= kLow || low >= kLow + kSide) return OcTreeFill::unknown();
-    if (cube.side() >= kSide) return OcTreeFill::split();
-    const auto what = random_() % 8;
-    if (what < 4 && cube.depth < OcTreeCube::kMaxDepth) return OcTreeFill::split();
-    if (what == 7) return OcTreeFill::unknown();
-    return OcTreeFill::leaf(what % 4 == 0 ? 1.F : -1.F);
-  }
-
- private:
-  std::mt19937 random_{5};
-};
 
 FreeSpace freeSpaceOf(const octomap::OcTree& map) {
   FreeSpace free;
@@ -49,9 +25,8 @@ bool isFreeIn(const octomap::OcTree& map, const octomap::OcTreeKey& key) {
 }
 
 TEST(FreeSpace, IsWhatTheTreeSays) {
-  octomap::OcTree map(0.1);
-  RandomVisitor visitor;
-  mrpt::maps::buildOcTree(map, {}, visitor);
+  const auto tree = randomTree();
+  const octomap::OcTree& map = *tree;
   std::array<size_t, OcTreeCube::kMaxDepth + 1> leaves{};
   mrpt::maps::forEachLeaf(map, [&](const OcTreeCube& leaf, const auto& node) {
     if (!map.isNodeOccupied(node)) leaves[leaf.depth]++;
@@ -60,9 +35,12 @@ TEST(FreeSpace, IsWhatTheTreeSays) {
 
   const FreeSpace free = freeSpaceOf(map);
   constexpr int kBeyond = 5;
-  for (int x = kLow - kBeyond; x < kLow + kSide + kBeyond; x++)
-    for (int y = kLow - kBeyond; y < kLow + kSide + kBeyond; y++)
-      for (int z = kLow - kBeyond; z < kLow + kSide + kBeyond; z++) {
+  for (int x = RandomVisitor::kLow - kBeyond;
+       x < RandomVisitor::kLow + RandomVisitor::kSide + kBeyond; x++)
+    for (int y = RandomVisitor::kLow - kBeyond;
+         y < RandomVisitor::kLow + RandomVisitor::kSide + kBeyond; y++)
+      for (int z = RandomVisitor::kLow - kBeyond;
+           z < RandomVisitor::kLow + RandomVisitor::kSide + kBeyond; z++) {
         const octomap::OcTreeKey key(static_cast<octomap::key_type>(x),
                                      static_cast<octomap::key_type>(y),
                                      static_cast<octomap::key_type>(z));
@@ -71,28 +49,28 @@ TEST(FreeSpace, IsWhatTheTreeSays) {
 }
 
 TEST(FreeSpace, CubesHoldAllThatIsFreeAndNoneHoldsNothing) {
-  octomap::OcTree map(0.1);
-  RandomVisitor visitor;
-  mrpt::maps::buildOcTree(map, {}, visitor);
+  const auto tree = randomTree();
+  const octomap::OcTree& map = *tree;
   const FreeSpace free = freeSpaceOf(map);
   for (const unsigned height : {0U, 1U, 2U, 5U}) {
-    const int side = 1 << std::min(height, 2U), cells = kSide / side;
+    const int side = 1 << std::min(height, 2U), cells = RandomVisitor::kSide / side;
     const auto indexOf = [&](int x, int y, int z) {
       return static_cast<size_t>((z * cells + y) * cells + x);
     };
     std::vector<bool> expected(indexOf(0, 0, cells)), found(expected.size());
-    for (int x = 0; x < kSide; x++)
-      for (int y = 0; y < kSide; y++)
-        for (int z = 0; z < kSide; z++)
-          if (free.has({static_cast<octomap::key_type>(kLow + x),
-                        static_cast<octomap::key_type>(kLow + y),
-                        static_cast<octomap::key_type>(kLow + z)}))
+    for (int x = 0; x < RandomVisitor::kSide; x++)
+      for (int y = 0; y < RandomVisitor::kSide; y++)
+        for (int z = 0; z < RandomVisitor::kSide; z++)
+          if (free.has({static_cast<octomap::key_type>(RandomVisitor::kLow + x),
+                        static_cast<octomap::key_type>(RandomVisitor::kLow + y),
+                        static_cast<octomap::key_type>(RandomVisitor::kLow + z)}))
             expected[indexOf(x / side, y / side, z / side)] = true;
     free.forEachCube(height, [&](const OcTreeCube& cube) {
       ASSERT_GE(static_cast<int>(cube.side()), side);
       const int n = static_cast<int>(cube.side()) / side;
-      const int x = (cube.key[0] - kLow) / side, y = (cube.key[1] - kLow) / side,
-                z = (cube.key[2] - kLow) / side;
+      const int x = (cube.key[0] - RandomVisitor::kLow) / side,
+                y = (cube.key[1] - RandomVisitor::kLow) / side,
+                z = (cube.key[2] - RandomVisitor::kLow) / side;
       for (int i = 0; i < n * n * n; i++)
         found.at(indexOf(x + i % n, y + i / n % n, z + i / n / n)) = true;
     });
@@ -105,11 +83,15 @@ TEST(FreeSpace, OneLeafStandsForTheWholeSpace) {
   mrpt::maps::OcTreeAccess::createRoot(map)->setLogOdds(-2);
   const FreeSpace free = freeSpaceOf(map);
   for (const octomap::key_type k : {0, 1, 32767, 32768, 65535}) EXPECT_TRUE(free.has({k, 7, k}));
+  std::vector<unsigned> depths;
+  free.forEachCube(0, [&](const OcTreeCube& cube) { depths.push_back(cube.depth); });
+  EXPECT_EQ(depths, std::vector<unsigned>{0});
 }
 
 TEST(FreeSpace, NothingIsFreeInAnEmptyMap) {
   EXPECT_FALSE(FreeSpace().has({32768, 32768, 32768}));
   EXPECT_FALSE(freeSpaceOf(octomap::OcTree(0.1)).has({0, 0, 0}));
+  FreeSpace().forEachCube(2, [](const OcTreeCube&) { ADD_FAILURE(); });
 }
 
 TEST(FreeSpace, OccupiedVoxelsAreTheSameWithoutIt) {

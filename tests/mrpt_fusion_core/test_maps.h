@@ -2,6 +2,7 @@
 #pragma once
 
 #include <mrpt/fusion/voxels.h>
+#include <mrpt/maps/octree_build.h>
 #include <octomap/OcTree.h>
 #include <tbb/global_control.h>
 
@@ -11,6 +12,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <random>
 #include <vector>
 
 /** \file Small maps, poses and other things that several tests need. */
@@ -151,6 +153,39 @@ inline std::unique_ptr<octomap::OcTree> apartment(const Cell& low = {0, 0, 0},
   map.box({55, 0, 0}, {55, 69, 25}, kOccupied).box({55, 28, 1}, {55, 37, 20}, kFree);
   map.box({0, 42, 0}, {54, 42, 25}, kOccupied).box({20, 42, 1}, {28, 42, 20}, kFree);
   return map.pruned();
+}
+
+/** Splits and stops at random, down to finest voxels: unknown, free or occupied, more or less sure.
+ */
+class RandomVisitor {
+ public:
+  static constexpr int kSide = 128;  ///< of the part that may be known, voxels
+  static constexpr octomap::key_type kLow = 32768 - kSide / 2;
+
+  struct State {};
+  State descend(const State&, unsigned, const mrpt::maps::OcTreeCube&) const { return {}; }
+  mrpt::maps::OcTreeFill visit(const mrpt::maps::OcTreeCube& cube, const State&) {
+    using mrpt::maps::OcTreeFill;
+    for (const octomap::key_type low : {cube.key[0], cube.key[1], cube.key[2]})
+      if (low + cube.side() <= kLow || low >= kLow + kSide) return OcTreeFill::unknown();
+    if (cube.side() >= kSide) return OcTreeFill::split();
+    const auto what = random_() % 8;
+    if (what < 4 && cube.depth < mrpt::maps::OcTreeCube::kMaxDepth) return OcTreeFill::split();
+    if (what == 7) return OcTreeFill::unknown();
+    const auto sure = 0.01F * static_cast<float>(1 + random_() % 300);
+    return OcTreeFill::leaf(what % 4 == 0 ? sure : -sure);
+  }
+
+ private:
+  std::mt19937 random_{5};
+};
+
+/** Leaves of all sizes. */
+inline std::unique_ptr<octomap::OcTree> randomTree() {
+  auto tree = std::make_unique<octomap::OcTree>(0.1);
+  RandomVisitor visitor;
+  mrpt::maps::buildOcTree(*tree, {}, visitor);
+  return tree;
 }
 
 /** Calls \a f with TBB held to so many threads. */

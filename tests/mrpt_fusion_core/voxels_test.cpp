@@ -67,6 +67,28 @@ TEST(ExtractOccupiedVoxels, ExpandsPrunedLeaves) {
   }
 }
 
+TEST(ExtractOccupiedVoxels, GoesInTheOrderOfTheOctreesLeaves) {
+  const auto tree = randomTree();
+  OccupiedVoxels expected;
+  mrpt::maps::forEachLeaf(*tree, [&](const mrpt::maps::OcTreeCube& cube, const auto& leaf) {
+    if (!tree->isNodeOccupied(leaf)) return;
+    mrpt::maps::forEachVoxel(cube, [&](const octomap::OcTreeKey& key) {
+      const octomap::point3d centre = tree->keyToCoord(key);
+      expected.key.push_back(key);
+      expected.centre.emplace_back(centre.x(), centre.y(), centre.z());
+      expected.probability.push_back(static_cast<float>(leaf.getOccupancy()));
+    });
+  });
+  ASSERT_GT(expected.size(), 1000);
+  FreeSpace free;
+  for (const OccupiedVoxels& v :
+       {extractOccupiedVoxels(*tree), extractOccupiedVoxels(*tree, free)}) {
+    EXPECT_EQ(v.key, expected.key);
+    EXPECT_EQ(v.centre, expected.centre);
+    EXPECT_EQ(v.probability, expected.probability);
+  }
+}
+
 TEST(ExtractOccupiedVoxels, GoesByTheMapsOwnOccupancyThreshold) {
   auto map =
       MapWriter().voxel({0, 0, 0}, 0.0F).voxel({1, 0, 0}, 0.5F).voxel({2, 0, 0}, 2.F).unpruned();

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/fusion/association.h>
-#include <mrpt/maps/remembered_function.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 
 #include "kd_tree.h"
 #include "parallel.h"
+#include "remembered_function.h"
 #include "voxel_search.h"
 
 namespace mrpt::fusion {
@@ -16,8 +16,7 @@ namespace mrpt::fusion {
 double occupancyUncertainty(const std::vector<float>& model_probability,
                             const std::vector<float>& scene_probability) {
   double sum = 0;
-  mrpt::maps::RememberedFunction term(
-      [](float p) { return p > 0 ? p * std::log(static_cast<double>(p)) : 0; });
+  RememberedFunction term([](float p) { return p > 0 ? p * std::log(static_cast<double>(p)) : 0; });
   for (const auto* probabilities : {&model_probability, &scene_probability})
     for (const float p : *probabilities) sum -= term(p);
   const size_t n = model_probability.size() + scene_probability.size();

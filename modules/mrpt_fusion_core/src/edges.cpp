@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "kd_tree.h"
 #include "least_axis.h"
@@ -376,22 +377,22 @@ std::vector<uint32_t> detectEdges(const OccupiedVoxels& voxels, const VoxelBlock
   for (size_t k = 0; k < pieces.voxels.size(); k++)
     first_of[k + 1] = first_of[k] + static_cast<uint32_t>(surfaces.weight[k]);
 
-  // Where the surface bends most: the piece's own voxel may lie beside the edge.
+  // Where the surface bends most, and its normal there: the piece's own voxel may lie beside the
+  // edge.
   const auto mostBent = [&](size_t k) {
-    const Plane own{surfaces.normal[k], surfaces.variation[k]};
-    uint32_t best = first_of[k];
-    if (first_of[k + 1] == best + 1) return std::pair(best, own);
-    Plane most;
-    most.variation = -1;
-    for (uint32_t i = first_of[k]; i < first_of[k + 1]; i++) {
+    const uint32_t first = first_of[k], end = first_of[k + 1];
+    std::pair best(first, surfaces.normal[k]);
+    if (end == first + 1) return best;
+    float most = -1;
+    for (uint32_t i = first; i < end; i++) {
       const octomap::OcTreeKey& key = voxels.key[i];
-      const Plane here =
-          key == pieces.voxels.key[k] ? own : surfaceAround(occupied, bend_ball, key, params);
-      if (here.variation <= most.variation) continue;
-      most = here;
-      best = i;
+      Plane here{surfaces.normal[k], surfaces.variation[k]};
+      if (key != pieces.voxels.key[k]) here = surfaceAround(occupied, bend_ball, key, params);
+      if (here.variation <= most) continue;
+      most = here.variation;
+      best = {i, here.normal};
     }
-    return std::pair(best, most);
+    return best;
   };
 
   std::vector<uint32_t> found(candidates.size(), kNone);
@@ -400,9 +401,8 @@ std::vector<uint32_t> detectEdges(const OccupiedVoxels& voxels, const VoxelBlock
     for (size_t c = begin; c < end; c++) {
       const size_t k = candidates[c];
       if (surfaces.variation[k] < params.min_surface_variation) continue;
-      const auto [i, plane] = mostBent(k);
+      const auto [i, normal] = mostBent(k);
       const octomap::OcTreeKey& key = voxels.key[i];
-      const Eigen::Vector3f& normal = plane.normal;
       if (normal.isZero(0) ||
           angleCost(near, cost_ball, key, normal, surfaces.normal) <= params.kappa)
         continue;

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/fusion/voxels.h>
 #include <mrpt/maps/octree_voxels.h>
-#include <mrpt/maps/remembered_function.h>
+#include <octomap/octomap_utils.h>
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 #include <utility>
+
+#include "remembered_function.h"
 
 namespace mrpt::fusion {
 namespace {
@@ -97,7 +99,7 @@ class Extraction {
   size_t max_voxels_;
   FreeSpace* free_;
   OccupiedVoxels voxels_;
-  mrpt::maps::RememberedFunction<double (*)(double)> probability_{octomap::probability};
+  RememberedFunction<double (*)(double)> probability_{octomap::probability};
 };
 
 }  // namespace
@@ -124,7 +126,7 @@ size_t strideFor(size_t voxels, size_t enough) {
 MapStatistics statisticsOf(const octomap::OcTree& map) {
   MapStatistics s;
   double entropy_occupied = 0, entropy_free = 0;
-  mrpt::maps::RememberedFunction entropy(
+  RememberedFunction entropy(
       [](float log_odds) { return binaryEntropy(octomap::probability(log_odds)); });
   mrpt::maps::forEachLeaf(map, [&](const mrpt::maps::OcTreeCube& leaf, const auto& node) {
     const size_t side = leaf.side(), n = side * side * side;

@@ -398,8 +398,9 @@ namespace {
 /** The centres of a map's occupied voxels, in the order of the octree. */
 std::shared_ptr<CSimplePointsMap> occupiedPoints(const octomap::OcTree& tree) {
   auto points = std::make_shared<CSimplePointsMap>();
-  for (const auto& p : mrpt::fusion::extractOccupiedVoxels(tree).centre)
-    points->insertPointFast(p.x(), p.y(), p.z());
+  const mrpt::fusion::OccupiedVoxels voxels = mrpt::fusion::extractOccupiedVoxels(tree);
+  points->reserve(voxels.size());
+  for (const auto& p : voxels.centre) points->insertPointFast(p.x(), p.y(), p.z());
   points->mark_as_modified();  // insertPointFast() leaves that to its caller
   return points;
 }
@@ -544,7 +545,9 @@ void CProbOctoMap::loadFromOcTreeFile(const std::string& path) {
   withPath(path, [&] { setOctree(parseOcTreeFile(readFileBytes(path))); });
 }
 
-void CProbOctoMap::saveToOcTreeFile(const std::string& path) const { saveOcTree(*m_octree, path); }
+void CProbOctoMap::saveToOcTreeFile(const std::string& path) const {
+  saveOcTree(*m_octree, path);
+}
 
 void CProbOctoMap::saveMetricMapRepresentationToFile(const std::string& filNamePrefix) const {
   Scene scene;

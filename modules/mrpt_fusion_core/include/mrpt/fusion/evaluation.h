@@ -2,8 +2,7 @@
 #pragma once
 
 #include <mrpt/fusion/optimization.h>
-#include <mrpt/fusion/voxel_blocks.h>
-#include <octomap/OcTree.h>
+#include <mrpt/fusion/voxels.h>
 
 #include <Eigen/Geometry>
 #include <cstdint>

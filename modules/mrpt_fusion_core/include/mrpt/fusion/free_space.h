@@ -12,7 +12,7 @@ namespace mrpt::fusion {
 
 /** Tells which finest voxels of an octree are free: its own search() goes down sixteen nodes, which
  * lie all over memory. 8 bytes for each block of 4x4x4 voxels some of which are free, and their
- * index (VoxelBlocks, of blocks for voxels); 16 for each free cube of more than eight such blocks.
+ * index (VoxelBlocks, of blocks for voxels); 12 for each free cube of more than eight such blocks.
  */
 class FreeSpace {
  public:

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <mrpt/fusion/edges.h>
-#include <octomap/OcTree.h>
+#include <mrpt/fusion/voxels.h>
 
 #include <Eigen/Geometry>
 #include <cmath>

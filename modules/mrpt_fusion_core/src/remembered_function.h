@@ -6,10 +6,11 @@
 #include <cstring>
 #include <utility>
 
-namespace mrpt::maps {
+namespace mrpt::fusion {
 
 /** A function of a float, for arguments of which there are few different ones: a map's voxels have
- * a few hundred log-odds between them, and what was computed for most is remembered. 4 kB. */
+ * a few hundred log-odds between them, and what was computed for most is remembered. 4 kB. Not for
+ * several threads. */
 template <class F>
 class RememberedFunction {
  public:
@@ -22,8 +23,8 @@ class RememberedFunction {
     std::memcpy(&bits, &x, sizeof(bits));
     auto& [argument, value] = known_[bits * kGoldenRatio >> 24U];
     if (argument != x) {
-      argument = x;
       value = f_(x);
+      argument = x;
     }
     return value;
   }
@@ -38,4 +39,4 @@ class RememberedFunction {
   std::array<Known, 256> known_;
 };
 
-}  // namespace mrpt::maps
+}  // namespace mrpt::fusion
