@@ -140,6 +140,23 @@ Matrix6d numericHessian(const ErrorAt& error, const Eigen::Isometry3d& T,
 
 // ---------------------------------------------------------------- eqs. (21), (22), surfaces
 
+TEST_F(Optimization, EquationsAboutAnotherCentreTellTheSameOfTheSameMotion) {
+  addPair({1, 2, 3}, {0.1, 0, 0});
+  addPair({0, -4, 1}, {0, 0.3, 0.4});
+  addPair({2, 0, -1}, {-0.2, 0.1, 0});
+  const NormalEquations n = voxelsAt(T_a_b), moved = n.about({7, -3, 2});
+  EXPECT_EQ(moved.centre, Eigen::Vector3d(7, -3, 2));
+  const auto errorAfter = [](const NormalEquations& e, const Vector6d& xi) {
+    return e.error - 2 * e.g.dot(xi) + xi.dot(e.H * xi);
+  };
+  for (const Vector6d& about_moved :
+       {unit(0, 0.1), unit(3, 0.2), unit(5, -0.1), Vector6d(Vector6d::Constant(0.05))}) {
+    Vector6d xi = about_moved;  // turning about the other centre shifts this one
+    xi.head<3>() += about_moved.tail<3>().cross(n.centre - moved.centre);
+    EXPECT_NEAR(errorAfter(moved, about_moved), errorAfter(n, xi), 1e-9);
+  }
+}
+
 TEST_F(Optimization, VoxelErrorIsEq22) {
   addPair({1, 2, 3}, {0.1, 0, 0});
   addPair({0, 0, 1}, {0, 0.3, 0.4});

@@ -58,10 +58,7 @@ struct LevelProblem {
     const DescriptorWeights w = weights(meanSquaredError(some));
     const auto pullAt = [&](const Vector6d& xi) {
       const Eigen::Isometry3d moved = perturb(T, xi, at_rest.centre);
-      const NormalEquations n = linearize(associate(moved, w, kHeldGate * step, &some), moved);
-      Vector6d g = n.g;
-      g.tail<3>() += (n.centre - at_rest.centre).cross(n.g.head<3>());  // about the same centre
-      return g;
+      return linearize(associate(moved, w, kHeldGate * step, &some), moved).about(at_rest.centre).g;
     };
 
     // Rotations in metres, at the pairs' distance from their centre.

@@ -69,21 +69,23 @@ NormalEquations sumOf(const std::vector<Eigen::Vector3f>& scene, const Pairs& pa
                       const Eigen::Isometry3d& T, const TermOf& term) {
   NormalEquations n;
   if (pairs.empty()) return n;
-  for (const Pair& p : pairs) n.centre += scene[p.scene].cast<double>();
-  n.centre = T * (n.centre / static_cast<double>(pairs.size()));
+  // About one of them at first: their middle is known when all have been looked at.
+  n.centre = T * scene[pairs[pairs.size() / 2].scene].template cast<double>();
   struct Sums {
+    Eigen::Vector3d scene = Eigen::Vector3d::Zero();
     Eigen::Matrix3d tt = Eigen::Matrix3d::Zero(), rt = tt, rr = tt;  // blocks of H
     Vector6d g = Vector6d::Zero();
     double error = 0;
   };
   const auto parts = sumsOfParts<Sums>(pairs, term, [&](Sums& sums, const Pair& p) {
-    const Eigen::Vector3d q = T * scene[p.scene].cast<double>();
+    const Eigen::Vector3d s = scene[p.scene].cast<double>(), q = T * s;
     const auto [e, weight] = term(p, q);
     const Eigen::Matrix3d W = matrixOf(weight);
     const Eigen::Vector3d r = q - n.centre, We = W * e;
     Eigen::Matrix3d rW, rWr;  // [r]x W, and ([r]x W) [r]x' by its rows
     for (int k = 0; k < 3; k++) rW.col(k) = r.cross(W.col(k));
     for (int k = 0; k < 3; k++) rWr.col(k) = r.cross(rW.row(k).transpose());
+    sums.scene += s;
     sums.tt += W;
     sums.rt += rW;
     sums.rr += rWr;
@@ -91,14 +93,16 @@ NormalEquations sumOf(const std::vector<Eigen::Vector3f>& scene, const Pairs& pa
     sums.g.template tail<3>() += r.cross(We);  // (-[r]x)' = [r]x
     sums.error += e.dot(We);
   });
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const Sums& sums : parts) {
+    middle += sums.scene;
     Matrix6d H;
     H << sums.tt, sums.rt.transpose(), sums.rt, sums.rr;
     n.H += H;
     n.g += sums.g;
     n.error += sums.error;
   }
-  return n;
+  return n.about(T * (middle / static_cast<double>(pairs.size())));
 }
 
 /** The error alone. */
@@ -253,6 +257,12 @@ class SurfaceTerm {
 };
 
 }  // namespace
+
+NormalEquations NormalEquations::about(const Eigen::Vector3d& other) const {
+  Matrix6d J = Matrix6d::Identity();  // of the step about this centre, by that about the other
+  J.topRightCorner<3, 3>() = skew(other - centre);
+  return {J.transpose() * H * J, J.transpose() * g, error, other};
+}
 
 NormalEquations linearizeEdges(const EdgeVoxels& model, const EdgeVoxels& scene, const Pairs& pairs,
                                const Eigen::Isometry3d& T_a_b, VoxelCovariance kind) {

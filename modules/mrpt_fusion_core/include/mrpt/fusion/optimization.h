@@ -23,6 +23,9 @@ struct NormalEquations {
   Vector6d g = Vector6d::Zero();                     ///< right-hand side: H xi = g
   double error = 0;                                  ///< sum of squared Mahalanobis distances
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< c, m
+
+  /** The same equations for steps about another centre, m. */
+  NormalEquations about(const Eigen::Vector3d& other) const;
 };
 
 /** How the pairs of one patch of the scene, a cube of some side, together pull at the pose: the
