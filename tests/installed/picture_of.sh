@@ -8,8 +8,9 @@ set -euo pipefail
 if [ -z "${PICTURE_SCREEN:-}" ]; then
   # Software rendering, and neither the user's settings nor desktop. One at a time: two that look for
   # a free screen in the same moment find the same.
+  lock=${TMPDIR:-/tmp}/picture_of.$(id -u).lock
   PICTURE_SCREEN=1 HOME=$PWD NO_AT_BRIDGE=1 LIBGL_ALWAYS_SOFTWARE=1 \
-    exec flock -o "${TMPDIR:-/tmp}/picture_of.$(id -u).lock" xvfb-run -a -s "-screen 0 1024x768x24" "$0" "$@"
+    exec flock -o "$lock" xvfb-run -a -s "-screen 0 1024x768x24" "$0" "$@"
 fi
 picture=$1 other=$2 pixels=$3
 shift 3

@@ -3,6 +3,7 @@
 
 #include <mrpt/fusion/voxel_blocks.h>
 #include <mrpt/maps/octree_build.h>
+#include <mrpt/maps/octree_voxels.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -12,7 +13,7 @@ namespace mrpt::fusion {
 
 /** Tells which finest voxels of an octree are free: its own search() goes down sixteen nodes, which
  * lie all over memory. 8 bytes for each block of 4x4x4 voxels some of which are free, and their
- * index (VoxelBlocks, of blocks for voxels); 12 for each free cube of more than eight such blocks.
+ * index (VoxelBlocks, of blocks for voxels); 16 for each free cube of more than eight such blocks.
  */
 class FreeSpace {
  public:
@@ -22,10 +23,7 @@ class FreeSpace {
   void addCube(const mrpt::maps::OcTreeCube& leaf);
   /** Adds free voxels of a block. \param[in] key Of its lowest voxel. \param[in] mask Which are
    * free, a bit for each in the order of the octree. */
-  void addBlock(const octomap::OcTreeKey& key, uint64_t mask) {
-    keys_.push_back(blockOf(key));
-    masks_.push_back(mask);
-  }
+  void addBlock(const octomap::OcTreeKey& key, uint64_t mask) { add(blockOf(key), mask); }
   /** Makes ready for questions, when all have been added. */
   void index() {
     blocks_ = VoxelBlocks(keys_);
@@ -54,21 +52,32 @@ class FreeSpace {
           f(OcTreeCube{{key(0), key(1), key(2)}, depth});
         }
     });
-    for (const OcTreeCube& cube : cubes_) f(cube);
+    for (const Range& cube : cubes_) {
+      const auto height_of = static_cast<unsigned>(__builtin_ctzll(cube.end - cube.first)) / 3;
+      f(OcTreeCube{mrpt::maps::keyInOctreeOrder(cube.first), kVoxel - height_of});
+    }
   }
 
  private:
   static constexpr unsigned kVoxel = mrpt::maps::OcTreeCube::kMaxDepth;
 
+  struct Range {  // of voxels, in octreeOrder()
+    uint64_t first, end;
+  };
   static octomap::OcTreeKey blockOf(const octomap::OcTreeKey& k) {
     const auto by_four = [](octomap::key_type x) { return static_cast<octomap::key_type>(x >> 2); };
     return {by_four(k[0]), by_four(k[1]), by_four(k[2])};
   }
   static int cellOf(const octomap::OcTreeKey& k) { return VoxelBlocks::cellOf(k[0], k[1], k[2]); }
+  void add(const octomap::OcTreeKey& block, uint64_t mask) {
+    keys_.push_back(block);
+    masks_.push_back(mask);
+  }
+
   std::vector<octomap::OcTreeKey> keys_;  // of the blocks, until they are indexed; by four voxels
   std::vector<uint64_t> masks_;           // of each block's voxels
   VoxelBlocks blocks_;                    // which block lies where
-  std::vector<mrpt::maps::OcTreeCube> cubes_;  // larger than eight blocks, in order
+  std::vector<Range> cubes_;              // larger than eight blocks, in order
 };
 
 }  // namespace mrpt::fusion

@@ -175,10 +175,7 @@ class VoxelBlocks {
     uint64_t mask = 0;
     uint32_t first = kNone;
   };
-  using Ranks = std::array<uint8_t, 64>;  // of each cell among those that are there
-  static uint32_t contentOf(const Cells& cells, const Ranks& ranks, int cell) {
-    return cells.first + ranks[static_cast<size_t>(cell)];
-  }
+  using Ranks = std::array<uint8_t, 64>;    // of each cell among those that are there
   using Beside = std::array<uint32_t, 27>;  // the blocks around one, x fastest, or kNone
   /** The index of one of those around a block, by its offset. */
   static constexpr size_t besideOf(int x, int y, int z) {
@@ -197,11 +194,12 @@ class VoxelBlocks {
   uint32_t voxelAt(uint32_t n) const { return voxels_.empty() ? n : voxels_[n]; }
   /** Which voxel, in that order, a block's cell holds. */
   uint32_t contentOf(uint32_t block, int cell) const {
-    return contentOf(blocks_[block], ranks_[block], cell);
+    return blocks_[block].first + ranks_[block][static_cast<size_t>(cell)];
   }
   /** Which block a group's cell holds. */
   uint32_t contentOf(const Slot& group, int cell) const {
-    return contentOf(group, slot_ranks_[static_cast<size_t>(&group - slots_.data())], cell);
+    return group.first +
+           slot_ranks_[static_cast<size_t>(&group - slots_.data())][static_cast<size_t>(cell)];
   }
   void linkBlocks();
 

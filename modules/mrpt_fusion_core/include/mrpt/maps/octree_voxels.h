@@ -20,15 +20,16 @@ namespace mrpt::maps {
  * 2^48 of them. */
 constexpr size_t kMaxVoxels = 100'000'000;
 
-namespace detail {
-
-/** One coordinate of the i-th voxel of a cube in the octree's order, x fastest at each depth. */
-inline uint32_t everyThirdBit(uint64_t i) {
-  uint32_t bits = 0;
+/** The key of the i-th of all finest voxels in the octree's order, x fastest at each depth. */
+inline octomap::OcTreeKey keyInOctreeOrder(uint64_t i) {
+  octomap::OcTreeKey key(0, 0, 0);
   for (unsigned bit = 0; i >> (3 * bit); bit++)
-    bits |= static_cast<uint32_t>(i >> (3 * bit) & 1) << bit;
-  return bits;
+    for (unsigned axis = 0; axis < 3; axis++)
+      key[axis] |= static_cast<octomap::key_type>((i >> (3 * bit + axis) & 1) << bit);
+  return key;
 }
+
+namespace detail {
 
 /** \param[in] node Has children. Most nodes are leaves: one costs a look, not a call. */
 template <class F>
@@ -78,11 +79,11 @@ inline Eigen::AlignedBox3d knownSpace(const octomap::OcTree& map) {
 template <class F>
 void forEachVoxel(const OcTreeCube& cube, F&& f) {
   const uint64_t volume = uint64_t{1} << (3 * (OcTreeCube::kMaxDepth - cube.depth));
-  for (uint64_t i = 0; i < volume; i++)
-    f(octomap::OcTreeKey(
-        static_cast<octomap::key_type>(cube.key[0] + detail::everyThirdBit(i)),
-        static_cast<octomap::key_type>(cube.key[1] + detail::everyThirdBit(i >> 1)),
-        static_cast<octomap::key_type>(cube.key[2] + detail::everyThirdBit(i >> 2))));
+  for (uint64_t i = 0; i < volume; i++) {
+    octomap::OcTreeKey key = keyInOctreeOrder(i);
+    for (unsigned axis = 0; axis < 3; axis++) key[axis] |= cube.key[axis];
+    f(key);
+  }
 }
 
 }  // namespace mrpt::maps
