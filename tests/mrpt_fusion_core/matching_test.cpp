@@ -111,6 +111,18 @@ TEST_F(Matching, GivesTheHypothesesThatItCompared) {
   EXPECT_TRUE(matchTwoLevel(fineMaps().a, fineMaps().b, guess, params).hypotheses.empty());
 }
 
+TEST_F(Matching, ComparesThePoseThatAllVoxelsLeadToIfFewLedElsewhere) {
+  MatchParams no_search = params;
+  no_search.search.hypotheses = 0;
+  // From these, few voxels come to a pose 2 m and 30 degrees off, and all from there to the truth.
+  for (const auto& off : {poseOf(2, 1.6, 0, -10), poseOf(2, 2, 0, 15), poseOf(2.2, 0.8, 0, -15)}) {
+    const MatchResult r = matchMaps(fineMaps().a, fineMaps().b, truth * off, no_search);
+    EXPECT_LT(metresBetween(r.T_a_b, truth), 0.1) << off.matrix();
+    EXPECT_LT(metresBetween(r.hypotheses.front().T_a_b, truth), 0.1) << off.matrix();
+    EXPECT_LT(degreesBetween(r.hypotheses.front().T_a_b, truth), 1) << off.matrix();
+  }
+}
+
 TEST_F(Matching, WithoutSearchIsThatOfTheTwoLevels) {
   MatchParams no_search = params;
   no_search.search.translation = 0;

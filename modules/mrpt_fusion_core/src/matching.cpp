@@ -358,13 +358,17 @@ SurfaceVoxels fewOf(const SurfaceVoxels& all, double spacing, size_t enough) {
   return {select(voxels, few), select(surfaces, few)};
 }
 
-/** Whether two poses are less than the paper's failure apart. \param[in] middle Of map B. */
-bool isSamePlace(const Eigen::Isometry3d& T, const Eigen::Isometry3d& U,
-                 const Eigen::Vector3d& middle) {
+/** How far apart two poses are, 1 where the paper's failure begins. \param[in] middle Of map B. */
+double distanceBetween(const Eigen::Isometry3d& T, const Eigen::Isometry3d& U,
+                       const Eigen::Vector3d& middle) {
   constexpr double kFar = 0.6, kTurned = 6 * M_PI / 180;
   const Eigen::Isometry3d between = T.inverse() * U;
-  return (between * middle - middle).norm() <= kFar &&
-         Eigen::AngleAxisd(between.linear()).angle() <= kTurned;
+  return std::max((between * middle - middle).norm() / kFar,
+                  Eigen::AngleAxisd(between.linear()).angle() / kTurned);
+}
+bool isSamePlace(const Eigen::Isometry3d& T, const Eigen::Isometry3d& U,
+                 const Eigen::Vector3d& middle) {
+  return distanceBetween(T, U, middle) <= 1;
 }
 
 /** Best first; of those that came to the same place the best. \param[in] middle Of map B. */
@@ -517,23 +521,35 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
     starts.clear();
     for (size_t i = 0; i < std::min(best.size(), kMostByMany); i++) starts.push_back(best[i].T_a_b);
   }
-  result.hypotheses = by_many.ranked(starts);
-  compareRivals(a, b, association, params, result.hypotheses);
-  result.T_a_b = result.hypotheses.front().T_a_b;
+
   const double final_gate = std::max(params.voxel_level.final_gate, twoVoxels(a, b));
-  // What is asked of the hypotheses does not keep many threads busy either.
-  tbb::parallel_invoke(
-      [&] {
-        forEachIndex(result.hypotheses.size(), 1, [&](size_t i) {
-          RankedPose& h = result.hypotheses[i];
-          if (h.agreement > kLeastOfRivals * result.hypotheses.front().agreement)
-            h.covariance = by_many.covarianceAt(h.T_a_b);
+  const Eigen::Vector3d middle = meanOf(b.matched.voxels.centre);
+  constexpr double kNear = 1.0 / 3;
+  constexpr int kMostRounds = 3;
+  for (int round = 0; round < kMostRounds; round++) {
+    result.hypotheses = by_many.ranked(starts);
+    compareRivals(a, b, association, params, result.hypotheses);
+    result.T_a_b = result.hypotheses.front().T_a_b;
+    // What is asked of the hypotheses does not keep many threads busy either.
+    tbb::parallel_invoke(
+        [&] {
+          forEachIndex(result.hypotheses.size(), 1, [&](size_t i) {
+            RankedPose& h = result.hypotheses[i];
+            if (h.agreement > kLeastOfRivals * result.hypotheses.front().agreement)
+              h.covariance = by_many.covarianceAt(h.T_a_b);
+          });
+        },
+        [&] {
+          matchVoxels(a, b, association, std::min(params.voxel_level.gate, final_gate), params,
+                      result, on_iteration);
         });
-      },
-      [&] {
-        matchVoxels(a, b, association, std::min(params.voxel_level.gate, final_gate), params,
-                    result, on_iteration);
-      });
+    // All voxels may lead elsewhere than the few that the pose was compared by: once more, then,
+    // with what it came to.
+    if (distanceBetween(result.hypotheses.front().T_a_b, result.T_a_b, middle) <= kNear) break;
+    starts = {result.T_a_b};
+    for (size_t i = 1; i < result.hypotheses.size(); i++)
+      starts.push_back(result.hypotheses[i].T_a_b);
+  }
   return result;
 }
 

@@ -165,7 +165,8 @@ Thinned thinOut(const OccupiedVoxels& voxels, double spacing, IsBetter&& is_bett
 /** As matchTwoLevel(), but from several starts (not in the paper): the guess carried through the
  * edge level, and the best poses that searchAround() finds near it. Each is refined on a few
  * voxels, many of them on fewer first; the one where the maps then agree best, see agreement(),
- * goes through the voxel level.
+ * goes through the voxel level. Where this comes to another pose all are compared again, with that
+ * one in its place.
  * Without a search (params.search.translation = 0) it is matchTwoLevel(). */
 MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
                       const MatchParams& params, const OnIteration& on_iteration = {});
