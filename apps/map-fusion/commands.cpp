@@ -134,6 +134,7 @@ class Run {
   int evaluate() {
     loadBoth();
     report_.match = mrpt::fusion::evaluate(a_.view(), b_.view(), report_.pose->mean, options_);
+    report_.pose = report_.match->pose;
     step("evaluate");
     draw();
     return finish(report_.match->evaluation.accepted);

@@ -105,7 +105,11 @@ TEST_F(Fusing, AMatchedPoseFeedsEvaluateAndMerge) {
   ASSERT_EQ(mapFusion("match " + both() + " --init " + guess(-0.5, -5) + " --pose-out T.txt").code,
             0);
   expectNearTruth(dir_ / "T.txt");
-  EXPECT_EQ(mapFusion("evaluate " + both() + " --pose T.txt").code, 0);
+  EXPECT_EQ(mapFusion("evaluate " + both() + " --pose T.txt --json report.json").code, 0);
+  const Json j = report();
+  EXPECT_GT(j.at("match").at("edges_a"), 0);
+  EXPECT_GT(j.at("match").at("edges_b"), 0);
+  for (int i = 0; i < 6; i++) EXPECT_GT(j.at("pose").at("covariance")[i][i], 0) << i;
   EXPECT_EQ(mapFusion("merge " + both() + " --pose T.txt -o fused.bt").code, 0);
   octomap::OcTree fused(0.1);
   EXPECT_TRUE(fused.readBinary((dir_ / "fused.bt").string()));

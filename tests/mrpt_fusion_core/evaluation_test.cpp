@@ -182,16 +182,22 @@ TEST(EvaluateMatch, AnInlierIsBelowTheDistanceOfItsParameter) {
 }
 
 TEST(EvaluateMatch, ASecondPoseNearlyAsGoodMakesItAmbiguous) {
-  EvaluationParams params;
-  params.max_runner_up = 0.5;
-  const octomap::OcTree none(0.1);
+  Case c{wall(), wall()};
+  c.params.max_runner_up = 0.5;
   const auto judged = [&](double runner_up) {
-    return evaluateMatch(MapVoxels(none), MapVoxels(none), {}, kIdentity, params, runner_up);
+    const Pairs good = {{0, 0, 0}, {1, 1, 0}, {2, 2, 0}, {3, 3, 0}, {4, 4, 0}};
+    return evaluateMatch(c.a, c.b, good, c.T_a_b, c.params, runner_up);
   };
+  EXPECT_TRUE(judged(0.5).accepted);
   EXPECT_FALSE(judged(0.5).is_ambiguous);
+  EXPECT_FALSE(judged(0.51).accepted);
   EXPECT_TRUE(judged(0.51).is_ambiguous);
   EXPECT_EQ(judged(0.51).runner_up, 0.51);
   EXPECT_EQ(judged(0.51).reasons.size(), judged(0).reasons.size() + 1);
+  c.params.min_overlap = 0.06;
+  EXPECT_FALSE(judged(0.51).accepted);
+  EXPECT_FALSE(judged(0.51).is_ambiguous) << "it is rejected whatever the second pose is worth";
+  EXPECT_NE(reasonsOf(judged(0.51)).find("ambiguous"), std::string::npos);
 }
 
 TEST(EvaluateMatch, IsRejectedBelowTheLeastProbability) {

@@ -105,12 +105,15 @@ Alignment evaluate(const MapView& m1, const MapView& m2, const mrpt::poses::CPos
   mrpt::system::CTicTac clock;
   const auto [a, b] = computeFeatures(m1.wholeMap(), m2.wholeMap(), options.match);
   Alignment result;
-  result.pose.mean = pose;
   result.voxels_m1 = a.voxels.size();
   result.voxels_m2 = b.voxels.size();
+  result.edges_m1 = a.edges.size();
+  result.edges_m2 = b.edges.size();
   result.match.T_a_b = toEigen(pose);
   result.match.pairs = pairVoxels(a, b, result.match.T_a_b, options.match);
   result.evaluation = judgeMatch(a, b, options.match, options.evaluation, result.match);
+  result.pose = gaussian(result.match.T_a_b, result.match.covariance);
+  result.pose.mean = pose;  // to the last bit
   result.seconds_evaluation = secondsSince(clock);
   return result;
 }

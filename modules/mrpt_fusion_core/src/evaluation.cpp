@@ -125,9 +125,10 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
         percent(conflict) + " of the obstacles lie in the other map's free space, more than " +
             percent(params.max_free_conflict));
   e.runner_up = runner_up;
-  e.is_ambiguous = runner_up > params.max_runner_up;
+  const bool has_rival = runner_up > params.max_runner_up;
+  e.is_ambiguous = e.accepted && has_rival;
   if (runner_up > 0)
-    judge(!e.is_ambiguous,
+    judge(!has_rival,
           "the second best pose agrees " + percent(runner_up) + " as well, at most " +
               percent(params.max_runner_up) + " may",
           "ambiguous: " +
