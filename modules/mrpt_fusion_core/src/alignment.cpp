@@ -90,7 +90,7 @@ Alignment align(const MapView& m1, const MapView& m2, const mrpt::poses::CPose3D
 
   result.evaluation = judgeMatch(a, b, params, options.evaluation, result.match);
   if (result.by_edges) {
-    result.evaluation.accepted = false;
+    result.evaluation.accepted = result.evaluation.is_ambiguous = false;
     result.evaluation.reasons.emplace_back(
         "edges alone tell where the maps meet, not that they may be merged");
   }

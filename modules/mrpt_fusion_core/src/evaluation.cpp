@@ -126,18 +126,22 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
             percent(params.max_free_conflict));
   e.runner_up = runner_up;
   const bool has_rival = runner_up > params.max_runner_up;
-  e.is_ambiguous = e.accepted && has_rival;
-  if (runner_up > 0)
-    judge(!has_rival,
-          "the second best pose agrees " + percent(runner_up) + " as well, at most " +
-              percent(params.max_runner_up) + " may",
-          "ambiguous: " +
-              std::string(runner_up > 1 ? "a pose far from the guess" : "the second best pose") +
-              " agrees " + percent(runner_up) + " as well");
+  const bool is_well = e.accepted;
+  if (runner_up > 0) {
+    const std::string agrees =
+        std::string(runner_up > 1 ? "another pose" : "the second best pose") + " agrees " +
+        percent(runner_up) + " as well, ";
+    judge(!has_rival, agrees + "at most " + percent(params.max_runner_up) + " may",
+          agrees + "more than " + percent(params.max_runner_up));
+  }
   constexpr double kHeld = 0.95;
   e.deviation = deviation;
   const double stays = probabilityOfStaying(deviation);
-  e.probability = stays * probabilityOfBeingRight(e.overlap, conflict, runner_up, e.inlier_ratio);
+  const auto probabilityWith = [&](double rival) {
+    return stays * probabilityOfBeingRight(e.overlap, conflict, rival, e.inlier_ratio);
+  };
+  e.probability = probabilityWith(runner_up);
+  e.is_ambiguous = is_well && has_rival && probabilityWith(0) >= params.min_probability;
   if (stays < kHeld)
     e.reasons.push_back("what the maps share does not hold map B in place: " + slack(deviation));
   if (params.min_probability > 0)

@@ -371,10 +371,11 @@ bool isSamePlace(const Eigen::Isometry3d& T, const Eigen::Isometry3d& U,
   return distanceBetween(T, U, middle) <= 1;
 }
 
+bool agreesBetter(const RankedPose& g, const RankedPose& h) { return g.agreement > h.agreement; }
+
 /** Best first; of those that came to the same place the best. \param[in] middle Of map B. */
 std::vector<RankedPose> distinct(std::vector<RankedPose> all, const Eigen::Vector3d& middle) {
-  std::stable_sort(all.begin(), all.end(),
-                   [](const auto& g, const auto& h) { return g.agreement > h.agreement; });
+  std::stable_sort(all.begin(), all.end(), agreesBetter);
   std::vector<RankedPose> best;
   for (const RankedPose& h : all) {
     const bool is_new = std::none_of(best.begin(), best.end(), [&](const RankedPose& g) {
@@ -425,6 +426,11 @@ class PoseComparison {
     return covarianceOf(a_, b_, level(), T);
   }
 
+  /** How well the maps agree there, see agreement(). */
+  double agreementAt(const Eigen::Isometry3d& T) const {
+    return agreement(a_, of_a_, b_, of_b_, T);
+  }
+
   /** Poses are compared before they are known better than this. */
   static MatchParams roughly(MatchParams params) {
     constexpr unsigned kEnough = 15;
@@ -443,7 +449,7 @@ class PoseComparison {
     MatchResult result;
     result.T_a_b = start;
     runLevel(level(), params_.voxel_level, twoVoxels(a_, b_), params_, result, {});
-    return {result.T_a_b, agreement(a_, of_a_, b_, of_b_, result.T_a_b), result.covariance};
+    return {result.T_a_b, agreementAt(result.T_a_b), result.covariance};
   }
 
   const MapFeatures &a_, &b_;
@@ -478,6 +484,25 @@ void compareRivals(const MapFeatures& a, const MapFeatures& b, const VoxelAssoci
     compared.push_back(hypotheses[i]);
   }
   hypotheses = distinct(std::move(compared), meanOf(b.matched.voxels.centre));
+}
+
+/** All voxels may take the best pose elsewhere than the few did by which it was compared. Then what
+ * they came to is compared with the others: it is the first, whatever they are worth. */
+void compareWhatWasReached(const MapFeatures& a, const MapFeatures& b,
+                           const VoxelAssociation& association, const MatchParams& params,
+                           MatchResult& result) {
+  constexpr double kNear = 1.0 / 3;
+  const Eigen::Vector3d middle = meanOf(b.matched.voxels.centre);
+  if (distanceBetween(result.hypotheses.front().T_a_b, result.T_a_b, middle) <= kNear) return;
+  std::vector<RankedPose> compared{{result.T_a_b, 0, result.covariance}};
+  for (const RankedPose& h : result.hypotheses)
+    if (!isSamePlace(h.T_a_b, result.T_a_b, middle)) compared.push_back(h);
+  const PoseComparison comparison(a, b, association, params, kVoxelsOfRivals);
+  forEachIndex(compared.size(), 1, [&](size_t i) {
+    compared[i].agreement = comparison.agreementAt(compared[i].T_a_b);
+  });
+  std::stable_sort(compared.begin() + 1, compared.end(), agreesBetter);
+  result.hypotheses = std::move(compared);
 }
 
 }  // namespace
@@ -521,35 +546,24 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
     starts.clear();
     for (size_t i = 0; i < std::min(best.size(), kMostByMany); i++) starts.push_back(best[i].T_a_b);
   }
-
+  result.hypotheses = by_many.ranked(starts);
+  compareRivals(a, b, association, params, result.hypotheses);
+  result.T_a_b = result.hypotheses.front().T_a_b;
   const double final_gate = std::max(params.voxel_level.final_gate, twoVoxels(a, b));
-  const Eigen::Vector3d middle = meanOf(b.matched.voxels.centre);
-  constexpr double kNear = 1.0 / 3;
-  constexpr int kMostRounds = 3;
-  for (int round = 0; round < kMostRounds; round++) {
-    result.hypotheses = by_many.ranked(starts);
-    compareRivals(a, b, association, params, result.hypotheses);
-    result.T_a_b = result.hypotheses.front().T_a_b;
-    // What is asked of the hypotheses does not keep many threads busy either.
-    tbb::parallel_invoke(
-        [&] {
-          forEachIndex(result.hypotheses.size(), 1, [&](size_t i) {
-            RankedPose& h = result.hypotheses[i];
-            if (h.agreement > kLeastOfRivals * result.hypotheses.front().agreement)
-              h.covariance = by_many.covarianceAt(h.T_a_b);
-          });
-        },
-        [&] {
-          matchVoxels(a, b, association, std::min(params.voxel_level.gate, final_gate), params,
-                      result, on_iteration);
+  // What is asked of the hypotheses does not keep many threads busy either.
+  tbb::parallel_invoke(
+      [&] {
+        forEachIndex(result.hypotheses.size(), 1, [&](size_t i) {
+          RankedPose& h = result.hypotheses[i];
+          if (h.agreement > kLeastOfRivals * result.hypotheses.front().agreement)
+            h.covariance = by_many.covarianceAt(h.T_a_b);
         });
-    // All voxels may lead elsewhere than the few that the pose was compared by: once more, then,
-    // with what it came to.
-    if (distanceBetween(result.hypotheses.front().T_a_b, result.T_a_b, middle) <= kNear) break;
-    starts = {result.T_a_b};
-    for (size_t i = 1; i < result.hypotheses.size(); i++)
-      starts.push_back(result.hypotheses[i].T_a_b);
-  }
+      },
+      [&] {
+        matchVoxels(a, b, association, std::min(params.voxel_level.gate, final_gate), params,
+                    result, on_iteration);
+      });
+  compareWhatWasReached(a, b, association, params, result);
   return result;
 }
 

@@ -50,7 +50,7 @@ struct Evaluation {
   double log_likelihood = 0;    ///< log of eq. (23)
   FreeSpaceCheck free_space;    ///< both directions together, of the voxels asked
   double runner_up = 0;         ///< agreement of the best other pose over that of this one
-  bool is_ambiguous = false;    ///< that one is nearly as good, or better, and all else is well
+  bool is_ambiguous = false;    ///< that one is all that speaks against it
   PoseDeviation deviation;      ///< how firmly the pairs hold map B in place
   double probability = 0;       ///< that the pose is right, [0,1]
   /** The verdict. */

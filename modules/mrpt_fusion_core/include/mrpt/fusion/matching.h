@@ -115,10 +115,11 @@ struct MatchResult {
   Matrix6d covariance = 1e6 * Matrix6d::Identity();
   std::vector<IterationRecord> iterations;  ///< in their order
   /** The poses that were compared, 0.6 m or 6 deg apart, by agreement(), best first: T_a_b is the
-   * first, refined on all voxels. None without a search. One that judgeMatch() finds is second. */
+   * first, refined on all voxels. None without a search. One that judgeMatch() finds is second; so
+   * may be one that all voxels left for T_a_b. */
   std::vector<RankedPose> hypotheses;
   /** Agreement of the second hypothesis over that of the first; 0 if there is none. In [0,1] but
-   * where that second one was found elsewhere. */
+   * for such a second one. */
   double runnerUp() const {
     return hypotheses.size() > 1 && hypotheses[0].agreement > 0
                ? hypotheses[1].agreement / hypotheses[0].agreement
@@ -165,8 +166,8 @@ Thinned thinOut(const OccupiedVoxels& voxels, double spacing, IsBetter&& is_bett
 /** As matchTwoLevel(), but from several starts (not in the paper): the guess carried through the
  * edge level, and the best poses that searchAround() finds near it. Each is refined on a few
  * voxels, many of them on fewer first; the one where the maps then agree best, see agreement(),
- * goes through the voxel level. Where this comes to another pose all are compared again, with that
- * one in its place.
+ * goes through the voxel level. Where this comes to another pose, that one is compared with the
+ * others as well.
  * Without a search (params.search.translation = 0) it is matchTwoLevel(). */
 MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
                       const MatchParams& params, const OnIteration& on_iteration = {});
