@@ -102,7 +102,7 @@ run_experiments() {
 
 # One thing at a time: what runs beside it takes cache and memory bandwidth.
 run_performance() {
-  local rounds=5 repetitions=7 seconds=0.3 tilings="500k=2x5 5M=6x16" tiling small=${pairs[0]}
+  local rounds=5 repetitions=11 seconds=0.3 tilings="500k=2x5 5M=6x16" tiling small=${pairs[0]}
   local measured=("$small")
   if $quick; then rounds=1 repetitions=1 seconds=0 tilings="double=1x2"; fi
   for pair in "${pairs[@]}"; do
