@@ -13,6 +13,9 @@ namespace {
 
 using mrpt::maps::OcTreeCube;
 
+constexpr int kSide = RandomVisitor::kSide;
+constexpr octomap::key_type kLow = RandomVisitor::kLow;
+
 FreeSpace freeSpaceOf(const octomap::OcTree& map) {
   FreeSpace free;
   extractOccupiedVoxels(map, free);
@@ -35,12 +38,9 @@ TEST(FreeSpace, IsWhatTheTreeSays) {
 
   const FreeSpace free = freeSpaceOf(map);
   constexpr int kBeyond = 5;
-  for (int x = RandomVisitor::kLow - kBeyond;
-       x < RandomVisitor::kLow + RandomVisitor::kSide + kBeyond; x++)
-    for (int y = RandomVisitor::kLow - kBeyond;
-         y < RandomVisitor::kLow + RandomVisitor::kSide + kBeyond; y++)
-      for (int z = RandomVisitor::kLow - kBeyond;
-           z < RandomVisitor::kLow + RandomVisitor::kSide + kBeyond; z++) {
+  for (int x = kLow - kBeyond; x < kLow + kSide + kBeyond; x++)
+    for (int y = kLow - kBeyond; y < kLow + kSide + kBeyond; y++)
+      for (int z = kLow - kBeyond; z < kLow + kSide + kBeyond; z++) {
         const octomap::OcTreeKey key(static_cast<octomap::key_type>(x),
                                      static_cast<octomap::key_type>(y),
                                      static_cast<octomap::key_type>(z));
@@ -53,24 +53,23 @@ TEST(FreeSpace, CubesHoldAllThatIsFreeAndNoneHoldsNothing) {
   const octomap::OcTree& map = *tree;
   const FreeSpace free = freeSpaceOf(map);
   for (const unsigned height : {0U, 1U, 2U, 5U}) {
-    const int side = 1 << std::min(height, 2U), cells = RandomVisitor::kSide / side;
+    const int side = 1 << std::min(height, 2U), cells = kSide / side;
     const auto indexOf = [&](int x, int y, int z) {
       return static_cast<size_t>((z * cells + y) * cells + x);
     };
     std::vector<bool> expected(indexOf(0, 0, cells)), found(expected.size());
-    for (int x = 0; x < RandomVisitor::kSide; x++)
-      for (int y = 0; y < RandomVisitor::kSide; y++)
-        for (int z = 0; z < RandomVisitor::kSide; z++)
-          if (free.has({static_cast<octomap::key_type>(RandomVisitor::kLow + x),
-                        static_cast<octomap::key_type>(RandomVisitor::kLow + y),
-                        static_cast<octomap::key_type>(RandomVisitor::kLow + z)}))
+    for (int x = 0; x < kSide; x++)
+      for (int y = 0; y < kSide; y++)
+        for (int z = 0; z < kSide; z++)
+          if (free.has({static_cast<octomap::key_type>(kLow + x),
+                        static_cast<octomap::key_type>(kLow + y),
+                        static_cast<octomap::key_type>(kLow + z)}))
             expected[indexOf(x / side, y / side, z / side)] = true;
     free.forEachCube(height, [&](const OcTreeCube& cube) {
       ASSERT_GE(static_cast<int>(cube.side()), side);
       const int n = static_cast<int>(cube.side()) / side;
-      const int x = (cube.key[0] - RandomVisitor::kLow) / side,
-                y = (cube.key[1] - RandomVisitor::kLow) / side,
-                z = (cube.key[2] - RandomVisitor::kLow) / side;
+      const int x = (cube.key[0] - kLow) / side, y = (cube.key[1] - kLow) / side,
+                z = (cube.key[2] - kLow) / side;
       for (int i = 0; i < n * n * n; i++)
         found.at(indexOf(x + i % n, y + i / n % n, z + i / n / n)) = true;
     });

@@ -21,6 +21,13 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
   return m;
 }
 
+/** By the step about a centre \a from, that about \a to which moves everything alike. */
+Matrix6d stepAbout(const Eigen::Vector3d& to, const Eigen::Vector3d& from) {
+  Matrix6d J = Matrix6d::Identity();  // turning by w about from moves to by w x (to - from)
+  J.topRightCorner<3, 3>() = skew(from - to);
+  return J;
+}
+
 /** Has an element in the cache by the time that it is needed. */
 template <class T>
 void prefetch(const std::vector<T>& v, size_t i) {
@@ -259,8 +266,7 @@ class SurfaceTerm {
 }  // namespace
 
 NormalEquations NormalEquations::about(const Eigen::Vector3d& other) const {
-  Matrix6d J = Matrix6d::Identity();  // of the step about this centre, by that about the other
-  J.topRightCorner<3, 3>() = skew(other - centre);
+  const Matrix6d J = stepAbout(centre, other);
   return {J.transpose() * H * J, J.transpose() * g, error, other};
 }
 
@@ -387,9 +393,7 @@ Matrix6d poseCovariance(const NormalEquations& at_optimum, size_t pairs,
   const Matrix6d about_centre = (residual_variance + shrinkage * correlated) * inverse_H +
                                 (1 - shrinkage) * inverse_H * scatter.S * inverse_H +
                                 V * unknown.asDiagonal() * V.transpose();
-  // Turning by w about c moves the origin by -w x c = [c]x w.
-  Matrix6d J = Matrix6d::Identity();
-  J.topRightCorner<3, 3>() = skew(at_optimum.centre);
+  const Matrix6d J = stepAbout(Eigen::Vector3d::Zero(), at_optimum.centre);
   return J * about_centre * J.transpose();
 }
 

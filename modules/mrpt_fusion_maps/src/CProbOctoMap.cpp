@@ -545,9 +545,7 @@ void CProbOctoMap::loadFromOcTreeFile(const std::string& path) {
   withPath(path, [&] { setOctree(parseOcTreeFile(readFileBytes(path))); });
 }
 
-void CProbOctoMap::saveToOcTreeFile(const std::string& path) const {
-  saveOcTree(*m_octree, path);
-}
+void CProbOctoMap::saveToOcTreeFile(const std::string& path) const { saveOcTree(*m_octree, path); }
 
 void CProbOctoMap::saveMetricMapRepresentationToFile(const std::string& filNamePrefix) const {
   Scene scene;
