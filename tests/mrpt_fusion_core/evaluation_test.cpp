@@ -30,6 +30,14 @@ TEST(Overlap, ByHand) {
   EXPECT_EQ(overlapOf(0, 10, 0), 0);
 }
 
+TEST(Overlap, OfOneSurfaceIsTheSameWhicheverMapHasTheFinerVoxels) {
+  // 10 m x 10 m at 0.2 m and at 0.05 m, half of it in common.
+  EXPECT_DOUBLE_EQ(overlapOf(20000, 2500, 40000, 0.05 / 0.2), 0.5);
+  EXPECT_DOUBLE_EQ(overlapOf(1250, 40000, 2500, 0.2 / 0.05), 0.5);
+}
+
+TEST(Overlap, IsAtMostOneIfManyVoxelsShareAPartner) { EXPECT_EQ(overlapOf(100, 50, 100), 1); }
+
 TEST(AcceptanceThreshold, IsThatOfThePapersFigure9) {
   EXPECT_DOUBLE_EQ(acceptanceThreshold(0.4), 0.7);
 }

@@ -35,10 +35,12 @@ double mahalanobisDistance(double squared_distance, double p_model, double p_sce
   return std::sqrt(squared_distance / (1 / p_model + 1 / p_scene));
 }
 
-double overlapOf(size_t matches, size_t model_voxels, size_t scene_voxels) {
+double overlapOf(size_t matches, size_t model_voxels, size_t scene_voxels, double size_ratio) {
   if (model_voxels == 0 || scene_voxels == 0) return 0;
   const auto n = static_cast<double>(matches);
-  return 0.5 * (n / static_cast<double>(scene_voxels) + n / static_cast<double>(model_voxels));
+  const double of_scene = n / static_cast<double>(scene_voxels);
+  const double of_model = n * size_ratio * size_ratio / static_cast<double>(model_voxels);
+  return 0.5 * (std::min(of_scene, 1.0) + std::min(of_model, 1.0));
 }
 
 double acceptanceThreshold(double overlap) { return std::clamp(0.9 - overlap / 2, 0.6, 0.8); }
@@ -86,7 +88,8 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
                stride_b = strideFor(b.voxels.size(), enough);
   e.asked = (b.voxels.size() + stride_b - 1) / stride_b;
   e.pairs = pairs.size();
-  e.overlap = overlapOf(stride_b * pairs.size(), a.voxels.size(), stride_b * e.asked);
+  e.overlap = overlapOf(stride_b * pairs.size(), a.voxels.size(), stride_b * e.asked,
+                        b.voxels.resolution / a.voxels.resolution);
   e.threshold = acceptanceThreshold(e.overlap);
   double sum = 0;
   for (const Pair& p : pairs) {
