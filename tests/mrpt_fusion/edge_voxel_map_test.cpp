@@ -78,6 +78,20 @@ TEST(EdgeVoxelMap, IsTheSameToTheBitAfterASaveAndALoad) {
   EXPECT_FALSE(read.genericMapParams.enableSaveAs3DObject);
 }
 
+TEST(EdgeVoxelMap, OfVoxelsOfTwoMillimetresIsReadAgain) {
+  EdgeVoxels fine;
+  fine.resolution = 0.002;
+  fine.direction_radius = EdgeParams().direction_radius;
+  fine.centre = {{0.101F, 0.101F, 0.101F}, {0.103F, 0.101F, 0.101F}, {0.105F, 0.101F, 0.101F}};
+  fine.probability = {0.7F, 0.7F, 0.7F};
+  const CEdgeVoxelMap edges(fine);
+  EXPECT_EQ(edges.edges().direction_radius, 64 * fine.resolution);
+  CEdgeVoxelMap read;
+  deserializeInto(serialized(edges), read);
+  ASSERT_EQ(read.size(), 3U);
+  expectSame(read.edges(), edges.edges());
+}
+
 TEST(EdgeVoxelMap, IsAFractionOfTheMap) {
   EXPECT_LT(serialized(CEdgeVoxelMap(mapA())).size(), serialized(mapA()).size() / 50);
 }

@@ -17,8 +17,24 @@
 namespace mrpt::fusion {
 namespace {
 
-double radiusInVoxels(double radius, double min_voxels, double resolution) {
-  return resolution > 0 ? std::max(radius / resolution, min_voxels) : min_voxels;
+/** The longest radius, in voxels. A map in which more are within one is of smaller things than
+ * buildings, and what is around a voxel takes memory and time by the cube of its radius. */
+constexpr double kMostVoxels = 64;
+
+double radiusInVoxels(double radius, double least, double resolution) {
+  return resolution > 0 ? std::clamp(radius / resolution, least, kMostVoxels) : least;
+}
+
+VoxelBlocks::Ball normalBall(const EdgeParams& params, double resolution) {
+  constexpr double kMostExact = 20;  // see Moments
+  return VoxelBlocks::Ball(
+      std::min(radiusInVoxels(params.normal_radius, params.min_normal_radius_voxels, resolution),
+               kMostExact));
+}
+
+VoxelBlocks::Ball costBall(const EdgeParams& params, double resolution) {
+  return VoxelBlocks::Ball(
+      radiusInVoxels(params.cost_radius, params.min_cost_radius_voxels, resolution));
 }
 
 constexpr uint32_t kNone = ~uint32_t{0};
@@ -367,11 +383,9 @@ std::vector<uint32_t> detectEdges(const OccupiedVoxels& voxels, const VoxelBlock
                                   const EdgeParams& params) {
   const Surfaces& surfaces = pieces.surfaces;
   const VoxelBlocks near(pieces.voxels.key);
-  const VoxelBlocks::Ball cost_ball(
-      radiusInVoxels(params.cost_radius, params.min_cost_radius_voxels, voxels.resolution));
-  const VoxelBlocks::Ball bend_ball(
-      radiusInVoxels(params.normal_radius, params.min_normal_radius_voxels, voxels.resolution));
-  const double distance = std::max(params.trace_distance / voxels.resolution, 4.0);
+  const VoxelBlocks::Ball cost_ball = costBall(params, voxels.resolution);
+  const VoxelBlocks::Ball bend_ball = normalBall(params, voxels.resolution);
+  const double distance = radiusInVoxels(params.trace_distance, 4, voxels.resolution);
   const auto directions = walkDirections(params);
   std::vector<uint32_t> first_of(pieces.voxels.size() + 1, 0);  // of the voxels of each
   for (size_t k = 0; k < pieces.voxels.size(); k++)
@@ -461,8 +475,7 @@ std::vector<EdgeCovariance> edgeCovariances(const std::vector<octomap::OcTreeKey
 
 Surfaces computeSurfaces(const OccupiedVoxels& voxels, const VoxelBlocks& occupied,
                          const EdgeParams& params) {
-  const VoxelBlocks::Ball ball(
-      radiusInVoxels(params.normal_radius, params.min_normal_radius_voxels, voxels.resolution));
+  const VoxelBlocks::Ball ball = normalBall(params, voxels.resolution);
   Surfaces surfaces;
   surfaces.normal.assign(voxels.size(), Eigen::Vector3f::Zero());
   surfaces.variation.assign(voxels.size(), 0);
@@ -486,8 +499,7 @@ std::vector<float> computeAngleCosts(const OccupiedVoxels& voxels,
                                      const std::vector<Eigen::Vector3f>& normals,
                                      const EdgeParams& params) {
   const VoxelBlocks blocks(voxels.key);
-  const VoxelBlocks::Ball ball(
-      radiusInVoxels(params.cost_radius, params.min_cost_radius_voxels, voxels.resolution));
+  const VoxelBlocks::Ball ball = costBall(params, voxels.resolution);
   std::vector<float> costs(voxels.size());
   forEachIndex(voxels.size(), kGrain, [&](size_t i) {
     if (!normals[i].isZero(0))
@@ -526,7 +538,8 @@ EdgeVoxels edgeVoxelsAt(const std::vector<octomap::OcTreeKey>& at, std::vector<f
                         const octomap::OcTree& grid, double direction_radius) {
   EdgeVoxels edges;
   edges.resolution = grid.getResolution();
-  edges.direction_radius = std::max(direction_radius, 3 * edges.resolution);
+  edges.direction_radius =
+      std::clamp(direction_radius, 3 * edges.resolution, kMostVoxels * edges.resolution);
   edges.probability = std::move(probability);
   edges.centre.reserve(at.size());
   for (const auto& key : at) {

@@ -13,7 +13,9 @@
 
 namespace mrpt::fusion {
 
-/** Settings of Algorithm 1. The paper gives kappa, d_T and the angle window; the rest is ours. */
+/** Settings of Algorithm 1. The paper gives kappa, d_T and the angle window; the rest is ours.
+ * Lengths are shortened to 64 voxels, normal_radius to 20: by their cube grows what a voxel costs.
+ */
 struct EdgeParams {
   double normal_radius = 0.25;  ///< r_N for the normals' PCA, lines 2-6, m
   double cost_radius = 0.60;    ///< r_N for the angle cost, eq. (5), m
@@ -102,7 +104,7 @@ EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const EdgeParams& params);
  * O(edges * neighbours).
  * \param[in] at Their finest-level octree keys, distinct. \param[in] probability Of each.
  * \param[in] grid An octree of their resolution. \param[in] direction_radius How far around, m; at
- * least three voxels. */
+ * least 3 and at most 64 voxels are kept to. */
 EdgeVoxels edgeVoxelsAt(const std::vector<octomap::OcTreeKey>& at, std::vector<float> probability,
                         const octomap::OcTree& grid, double direction_radius);
 
