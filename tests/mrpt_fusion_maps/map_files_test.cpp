@@ -547,6 +547,30 @@ TEST_F(MapFiles, ANullObjectIsNoMap) {
       testing::ExitedWithCode(0), "");
 }
 
+TEST_F(MapFiles, ANullObjectInARecordingIsAnError) {
+  mrpt::io::CMemoryStream memory;
+  mrpt::serialization::archiveFrom(memory).WriteObject(nullptr);
+  const std::string null(static_cast<const char*>(memory.getRawBufferData()),
+                         static_cast<size_t>(memory.getTotalBytesCount()));
+  const CSimpleMap frames = simpleMap(1, 2);
+  const auto& frame = *frames.begin();
+  const std::string observation = serialized(**frame.sf->begin());
+  const auto withNullFor = [&](std::string bytes, const std::string& object) {
+    const size_t at = bytes.find(object);
+    EXPECT_NE(std::string::npos, at);
+    return at == std::string::npos ? bytes : bytes.replace(at, object.size(), null);
+  };
+  for (const std::string& bytes : {withNullFor(serialized(frames), serialized(*frame.pose)),
+                                   withNullFor(serialized(frames), serialized(*frame.sf)),
+                                   withNullFor(serialized(frames), observation),
+                                   serialized(mrpt::obs::CActionCollection()) +
+                                       withNullFor(serialized(*frame.sf), observation)}) {
+    const std::string path = file("null", bytes);
+    EXPECT_EXIT(::_exit(!saysWhatIsWrong(errorOf([&] { buildMap(path); }), path)),
+                testing::ExitedWithCode(0), "");
+  }
+}
+
 TEST_F(MapFiles, EveryTruncationOfARawlogInsideAnObjectIsAnError) {
   const Objects objects = shortRecording();
   std::set<size_t> object_ends;

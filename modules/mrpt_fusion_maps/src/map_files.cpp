@@ -168,11 +168,21 @@ class Builder {
   size_t inserted_ = 0, ignored_ = 0;
 };
 
+/** Inserts all observations that were made at once. \exception If there is an object in their stead
+ * that is none: MRPT reads it as null. */
+void insertAll(const CSensoryFrame& frame, const CPose3D& robot, Builder& builder) {
+  for (const auto& obs : frame) {
+    if (!obs) throw std::runtime_error("corrupt: what should be an observation is none");
+    builder.insert(*obs, robot);
+  }
+}
+
 void buildFromSimpleMap(const CSimpleMap& frames, Builder& builder) {
   for (const auto& frame : frames) {
+    if (!frame.pose || !frame.sf) throw std::runtime_error("corrupt: a keyframe is not whole");
     CPose3D pose;
     frame.pose->getMean(pose);
-    for (const auto& obs : *frame.sf) builder.insert(*obs, pose);
+    insertAll(*frame.sf, pose, builder);
   }
 }
 
@@ -204,7 +214,7 @@ void buildFromRawlog(const std::string& path, Builder& builder) {
       has_actions = true;
     } else if (const auto* frame = dynamic_cast<const CSensoryFrame*>(object.get())) {
       if (!has_actions) throw std::runtime_error("has observations but no robot movements");
-      for (const auto& obs : *frame) builder.insert(*obs, dead_reckoning);
+      insertAll(*frame, dead_reckoning, builder);
     } else if (dynamic_cast<const CObservationRobotPose*>(object.get()) ||
                dynamic_cast<const CObservationOdometry*>(object.get())) {
       continue;  // in known_poses
