@@ -527,6 +527,12 @@ TEST(TransformOcTree, ATransformThatIsNotFiniteThrows) {
       }
 }
 
+TEST(TransformOcTree, VoxelsThatAreSamplesByTheMillionThrow) {
+  const auto source = smallTree();
+  EXPECT_NO_THROW(transformOcTree(*source, Isometry3d::Identity(), 6.4));
+  EXPECT_THROW(transformOcTree(*source, Isometry3d::Identity(), 6.5), std::invalid_argument);
+}
+
 TEST(TransformOcTree, AResolutionThatIsNoLengthThrows) {
   for (const double resolution : {0.0, -0.1, std::nan(""), HUGE_VAL})
     EXPECT_THROW(transformOcTree(*smallTree(), Isometry3d::Identity(), resolution),

@@ -313,6 +313,9 @@ std::unique_ptr<OcTree> transformOcTree(const OcTree& source, const Eigen::Isome
     throw std::invalid_argument("transformOcTree: the transform is not finite");
   if (!(resolution > 0) || !std::isfinite(resolution))
     throw std::invalid_argument("transformOcTree: the resolution must be a positive length");
+  constexpr double kMostCoarser = 64;  // samples of a voxel grow by its cube
+  if (resolution > kMostCoarser * source.getResolution())
+    throw std::invalid_argument("transformOcTree: the new voxels are more than 64 times as wide");
   checkFits(source, T_dst_src, resolution);
 
   auto result = std::make_unique<OcTree>(resolution);

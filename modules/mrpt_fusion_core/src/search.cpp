@@ -480,7 +480,8 @@ class PoseSearch {
     const double least = std::max({params_.cell, 2 * a_.voxels.resolution, 2 * resolution_b,
                                    std::cbrt(region_.volume() / kMostCells)});
     ScoreGrid::Layout layout{a_.voxels.resolution, 0};
-    while (layout.cell < least * (1 - 1e-9)) {
+    while (layout.cell < least * (1 - 1e-9) &&
+           layout.level + 1 < mrpt::maps::OcTreeCube::kMaxDepth) {
       layout.cell *= 2;
       layout.level++;
     }

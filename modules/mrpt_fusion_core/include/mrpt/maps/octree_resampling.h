@@ -28,7 +28,8 @@ namespace mrpt::maps {
  * \param[in] resolution Voxel size of the new grid, metres.
  * \return A new pruned tree with the source's sensor model. Its log-odds are source values, never
  * clamped or mixed.
- * \exception std::invalid_argument If T_dst_src is not finite, or resolution not positive.
+ * \exception std::invalid_argument If T_dst_src is not finite, or resolution not positive or more
+ * than 64 times the source's.
  * \exception std::out_of_range If the moved map leaves the new grid (2^15 voxels from its origin).
  *
  * Cost: proportional to the voxels of the *boundaries* between leaves of different value; the
