@@ -33,6 +33,8 @@ void checkWritable(const std::string& path, const std::vector<std::string>& inpu
   if (!fs::is_directory(parent, ignored))
     throw std::runtime_error(path + ": there is no directory " + parent.string());
   const bool exists = fs::exists(path, ignored);
-  if ((exists && ::access(path.c_str(), W_OK) != 0) || ::access(parent.c_str(), W_OK) != 0)
+  const bool in_place = exists && !fs::is_regular_file(path, ignored);  // see writeFileAtomically()
+  if ((exists && ::access(path.c_str(), W_OK) != 0) ||
+      (!in_place && ::access(parent.c_str(), W_OK) != 0))
     throw std::runtime_error(path + ": cannot be written: permission denied");
 }

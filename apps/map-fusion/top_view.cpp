@@ -2,12 +2,16 @@
 #include "top_view.h"
 
 #include <mrpt/img/CImage.h>
+#include <mrpt/maps/error_text.h>
 #include <mrpt/maps/octree_io.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <stdexcept>
 
 using mrpt::fusion::OccupiedVoxels;
@@ -17,6 +21,19 @@ namespace {
 
 constexpr int kMargin = 30;       // pixels around a panel, with room for its title
 constexpr int kPanelWidth = 900;  // pixels, about
+
+/** An image as a PNG file. MRPT writes one to a file only. */
+std::string pngOf(const mrpt::img::CImage& image) {
+  std::string name = std::filesystem::temp_directory_path() / "map-fusion-XXXXXX.png";
+  const int fd = ::mkstemps(name.data(), 4);
+  if (fd < 0) throw std::runtime_error(name + ": cannot be written");
+  ::close(fd);
+  const std::shared_ptr<void> removed(nullptr, [&](void*) { ::unlink(name.c_str()); });
+  return mrpt::maps::withPath(name, [&] {
+    if (!image.saveToFile(name)) throw std::runtime_error("cannot be written");
+    return mrpt::maps::readFileBytes(name);
+  });
+}
 
 /** How many voxels stand over each cell of the plan. */
 struct Plan {
@@ -111,12 +128,5 @@ void drawTopView(const OccupiedVoxels& a, const OccupiedVoxels& b,
   image.textOut(kMargin + bar + 8, bottom - 8, "5 m     A: orange   B: blue   both: black",
                 TColor::black());
 
-  const std::string temporary = path + ".part.png";  // the extension tells the format
-  if (!image.saveToFile(temporary)) throw std::runtime_error(path + ": cannot be written");
-  std::error_code failed;
-  std::filesystem::rename(temporary, path, failed);
-  if (failed) {
-    std::filesystem::remove(temporary, failed);
-    throw std::runtime_error(path + ": cannot be written");
-  }
+  mrpt::maps::writeFileAtomically(path, pngOf(image));
 }

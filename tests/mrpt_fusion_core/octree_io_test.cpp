@@ -11,6 +11,7 @@
 #include "tree_tools.h"
 
 using namespace map_tests;
+using mrpt::maps::beginningOf;
 using mrpt::maps::parseNodes;
 using mrpt::maps::parseOcTreeFile;
 using mrpt::maps::readFileBytes;
@@ -402,6 +403,23 @@ TEST(OctreeIo, WritingOverADirectoryIsAnError) {
   EXPECT_THROW(writeFileAtomically(dir.path("map.ot"), "x"), std::runtime_error);
   EXPECT_EQ(std::vector<std::string>{"map.ot"}, dir.files());
   EXPECT_TRUE(std::filesystem::is_directory(dir.path("map.ot")));
+}
+
+TEST(OctreeIo, OfALinkWhatItLeadsToIsReplaced) {
+  const TempDir dir;
+  writeFileAtomically(dir.path("file"), "before");
+  std::filesystem::create_symlink("file", dir.path("link"));
+  writeFileAtomically(dir.path("link"), "after");
+  EXPECT_EQ(readFileBytes(dir.path("file")), "after");
+  EXPECT_TRUE(std::filesystem::is_symlink(dir.path("link")));
+  EXPECT_EQ((std::vector<std::string>{"file", "link"}), dir.files());
+}
+
+TEST(OctreeIo, APipeIsNoMap) {
+  const TempDir dir;
+  ASSERT_EQ(::mkfifo(dir.path("pipe").c_str(), 0600), 0);
+  const std::string error = errorOf([&] { beginningOf(dir.path("pipe")); });
+  EXPECT_NE(std::string::npos, error.find("pipe")) << error;
 }
 
 TEST(OctreeIo, ADeviceIsWrittenToNotReplaced) {

@@ -245,6 +245,9 @@ std::string readFileBytes(const std::string& path) {
 }
 
 std::string beginningOf(const std::string& path) {
+  struct stat st {};
+  if (::stat(path.c_str(), &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode))
+    throw std::runtime_error("is a pipe or a device: a map is read from a file");
   std::ifstream f(path, std::ios::binary);
   std::string bytes(64, '\0');
   f.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
@@ -266,10 +269,15 @@ void writeFileAtomically(const std::string& path, std::string_view bytes) {
 
 void writeFileAtomically(const std::string& path,
                          const std::function<void(const ByteSink&)>& write) {
-  // A device or a pipe has no contents to protect, and a rename would replace it by a file.
+  // Of a link, what it leads to is replaced. What has no name there, as a pipe behind /dev/stdout,
+  // is written to, and so is a device or a pipe: it has no contents to protect, and a rename would
+  // replace it by a file.
+  std::error_code nameless;
+  const std::string named = std::filesystem::canonical(path, nameless).string();
+  const std::string& target = nameless ? path : named;
   struct stat st {};
-  const bool in_place = ::stat(path.c_str(), &st) == 0 && !S_ISREG(st.st_mode);
-  std::string name = in_place ? path : path + ".XXXXXX";
+  const bool in_place = ::stat(path.c_str(), &st) == 0 && (nameless || !S_ISREG(st.st_mode));
+  std::string name = in_place ? path : target + ".XXXXXX";
   const int fd = in_place ? ::open(name.c_str(), O_WRONLY) : ::mkstemp(name.data());
   const auto check = [&](bool done) {
     if (!done) throw std::runtime_error(systemError(path + ": cannot be written"));
@@ -288,7 +296,7 @@ void writeFileAtomically(const std::string& path,
       const mode_t mask = ::umask(0);
       ::umask(mask);
       check(::fchmod(fd, 0666 & ~mask) == 0 && ::fsync(fd) == 0 &&
-            ::rename(name.c_str(), path.c_str()) == 0);
+            ::rename(name.c_str(), target.c_str()) == 0);
     }
   } catch (...) {
     ::close(fd);
