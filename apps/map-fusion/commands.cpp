@@ -188,7 +188,8 @@ class Run {
     const auto robots = loadRobots();
     mrptMaps().saveMission(robots, args_.output);
     step("save");
-    report_.bytes = std::filesystem::file_size(args_.output);
+    if (std::filesystem::is_regular_file(args_.output))  // not a pipe
+      report_.bytes = std::filesystem::file_size(args_.output);
     return finish(true);
   }
 
@@ -293,10 +294,12 @@ class Run {
     if (joined > 1)
       saveFused();
     else
-      std::cerr << "map-fusion: every match was rejected, nothing was merged (--force to merge)\n";
-    return finish(std::all_of(report_.members.begin(), report_.members.end(), [](const auto& m) {
-      return m.info.by_edges || !m.hasMatch() || m.info.evaluation.accepted;
-    }));
+      std::cerr << "map-fusion: no match was accepted, nothing was merged (--force to merge)\n";
+    const bool accepted =
+        std::all_of(report_.members.begin(), report_.members.end(), [](const auto& m) {
+          return m.info.by_edges || !m.hasMatch() || m.info.evaluation.accepted;
+        });
+    return finish(joined > 1 && accepted);
   }
 
   void choosePolicy() {

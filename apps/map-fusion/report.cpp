@@ -221,5 +221,6 @@ std::string toJson(const Report& r) {
   if (!r.policy.empty()) json["policy"] = r.policy;
   json["seconds"] = Json::object();
   for (const auto& [step, seconds] : r.seconds) json["seconds"][step] = seconds;
-  return json.dump(2) + "\n";
+  // A path may be of any bytes.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

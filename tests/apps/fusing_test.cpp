@@ -69,7 +69,7 @@ TEST_F(Fusing, LooksAsFarAsTheGuessIsSaidToBeOff) {
   const std::string arguments = "match " + both() + " --init " + guess(5, 0) + " --pose-out T.txt";
   ASSERT_EQ(mapFusion(arguments + " --init-sigma 2.5 10").code, 0);
   expectNearTruth(dir_ / "T.txt");
-  EXPECT_NE(mapFusion(arguments + " --init-sigma 0.1 1").code, 0);
+  EXPECT_EQ(mapFusion(arguments + " --init-sigma 0.1 1").code, 3);
   EXPECT_EQ(mapFusion(arguments + " --init-sigma -1 1").code, 2);
   EXPECT_EQ(mapFusion(arguments + " --init-sigma 1").code, 2);
   EXPECT_EQ(mapFusion("match " + both() + " --init-sigma 1 1").code, 2) << "of which guess?";

@@ -91,6 +91,22 @@ TEST_F(Missions, WithARobotFromElsewhereAreFusedAsFarAsTheyCanBe) {
   EXPECT_FALSE(fs::exists(dir_ / "two.ot"));
 }
 
+TEST_F(Missions, OfOneWholeMapAndEdgesMergeNothing) {
+  ASSERT_EQ(mapFusion("pack --edges-only " + pair("map_b.ot") + " -o edges.rawlog").code, 0);
+  ASSERT_EQ(mapFusion("pack " + pair("map_a.ot") + " edges.rawlog -o mission.rawlog").code, 0);
+  const auto r = mapFusion("fuse mission.rawlog -o fused.ot");
+  EXPECT_EQ(r.code, 3) << r.out;
+  EXPECT_NE(r.err.find("nothing was merged"), std::string::npos) << r.err;
+  EXPECT_FALSE(fs::exists(dir_ / "fused.ot"));
+}
+
+TEST_F(Missions, GoThroughPipes) {
+  const auto r = run("mkfifo pipe; cat pipe > b.rawlog & " + std::string(MAP_FUSION) + " pack " +
+                     pair("map_b.ot") + " -o pipe; code=$?; wait; exit $code");
+  ASSERT_EQ(r.code, 0) << r.err;
+  EXPECT_EQ(mapFusion("info b.rawlog").code, 0);
+}
+
 TEST_F(Missions, AreListed) {
   ASSERT_EQ(mapFusion("pack " + both() + " -o mission.rawlog").code, 0);
   const auto r = mapFusion("info mission.rawlog");

@@ -98,6 +98,14 @@ TEST_F(SingleSteps, InfoTakesEveryKindOfFile) {
     EXPECT_EQ(mapFusion("info " + file).code, 0) << file;
 }
 
+TEST_F(SingleSteps, AFileMayBeNamedByAnyBytes) {
+  const std::string name = "caf\xe9.ot";  // Latin-1
+  fs::copy_file(pair("map_a.ot"), dir_ / name);
+  const auto r = mapFusion("info '" + name + "' --json report.json");
+  ASSERT_EQ(r.code, 0) << r.err;
+  EXPECT_NE(readFile(dir_ / "report.json").find("occupied_voxels"), std::string::npos);
+}
+
 TEST_F(SingleSteps, CompressedMapsAreSavedByManyAtOnce) {
   run("for name in a b c d; do " MAP_FUSION " transform -q " + pair("map_a.ot") +
       " --pose '[0 0 0 0 0 0]' -o $name.gz & done; wait");
