@@ -257,7 +257,7 @@ TEST_F(Association, GateIsInMetresOnTheWholeDescriptor) {
 
 TEST_F(Association, EqualDistancesGoToTheLowerIndex) {
   // On a grid, in the middle of cells: eight voxels are nearest. Which one is taken must not depend
-  // on the layout of the search tree, as kd_tree.h promises.
+  // on the order in which cells are looked through.
   OccupiedVoxels model, scene;
   for (int x = 0; x < 12; x++)
     for (int y = 0; y < 12; y++)

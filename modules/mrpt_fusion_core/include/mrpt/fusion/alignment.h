@@ -27,8 +27,8 @@ struct MapView {
 /** The pose of map m2 (the scene, "B") in the frame of map m1 (the model, "A"), and what was found
  * out on the way. */
 struct Alignment {
-  /** The covariance is that of (x, y, z, yaw, pitch, roll), from the final Hessian; zero for a pose
-   * that was given. */
+  /** The covariance is that of (x, y, z, yaw, pitch, roll), from the final Hessian, or from that at
+   * a pose that was given. */
   mrpt::poses::CPose3DPDFGaussian pose;
   bool by_edges = false;     ///< a map is edges alone: edges alone were compared
   unsigned nIterations = 0;  ///< of both levels
