@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <utility>
 #include <vector>
 
 namespace mrpt::fusion {
@@ -28,7 +27,6 @@ class KdTree {
   KdTree(const KdTree&) = delete;
   KdTree& operator=(const KdTree&) = delete;
 
-  size_t size() const { return data_.points.size(); }
   const Descriptor& point(size_t i) const { return data_.points[i]; }
 
   /** Not to be called while a query runs. */
@@ -56,16 +54,6 @@ class KdTree {
     r.index.resize(n);
     r.squared_distance.resize(n);
     return r;
-  }
-
-  /** All points closer than a radius (squared), nearest first. */
-  std::vector<uint32_t> within(const Descriptor& query, float squared_radius) const {
-    std::vector<std::pair<uint32_t, float>> matches;
-    tree_.radiusSearch(query.data(), squared_radius, matches, nanoflann::SearchParams());
-    std::vector<uint32_t> indices;
-    indices.reserve(matches.size());
-    for (const auto& m : matches) indices.push_back(m.first);
-    return indices;
   }
 
  private:

@@ -56,15 +56,8 @@ class LeafListVisitor {
   }
   State descend(State& parent, unsigned, const OcTreeCube& child) const {
     State s;
-    const auto inChild = [&](const LeafCube& l) {
-      for (unsigned axis = 0; axis < 3; axis++) {
-        const uint32_t k = l.cube.key[axis], k0 = child.key[axis];
-        if (k < k0 || k - k0 >= child.side()) return false;
-      }
-      return true;
-    };
     const auto rest = std::partition(parent.leaves.begin(), parent.leaves.end(),
-                                     [&](const LeafCube& l) { return !inChild(l); });
+                                     [&](const LeafCube& l) { return !child.contains(l.cube); });
     s.leaves.assign(rest, parent.leaves.end());
     parent.leaves.erase(rest, parent.leaves.end());
     return s;
