@@ -111,7 +111,7 @@ class Run {
   }
 
   int fuse() {
-    if (args_.maps.size() != 2) return fuseMany();
+    if (!areTwoMaps()) return fuseMany();
     loadBoth();
     const bool accepted = matchMaps();
     if (accepted || args_.force) {
@@ -269,6 +269,15 @@ class Run {
     step("load");
     progress_.clear();
     return robots;
+  }
+
+  /** Whether maps A and B are given: two files, unless one has the maps of several robots and
+   * nothing is asked for that is of two. */
+  bool areTwoMaps() const {
+    if (args_.maps.size() != 2) return false;
+    if (!(args_.init + args_.pose_out + args_.picture + args_.scene).empty()) return true;
+    return std::all_of(args_.maps.begin(), args_.maps.end(),
+                       [](const auto& path) { return loadMission(path).size() < 2; });
   }
 
   int fuseMany() {

@@ -96,6 +96,7 @@ class CommandLine {
 int main(int argc, char** argv) {
   CLI::App app("Matches, evaluates and merges 3-D occupancy maps.");
   app.require_subcommand(1);
+  app.set_version_flag("--version", "map-fusion " MAP_FUSION_VERSION);
   app.footer(
       "Exit codes: 0 done (and a match, if any, accepted); 1 failure: bad input, I/O; 2 wrong "
       "usage;\n"

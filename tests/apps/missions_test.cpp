@@ -89,6 +89,10 @@ TEST_F(Missions, WithARobotFromElsewhereAreFusedAsFarAsTheyCanBe) {
   EXPECT_TRUE(fs::exists(dir_ / "fused.ot"));
   EXPECT_EQ(mapFusion("fuse " + pair("map_a.ot") + " plane.ot " + " -o two.ot").code, 3);
   EXPECT_FALSE(fs::exists(dir_ / "two.ot"));
+  ASSERT_EQ(mapFusion("pack " + both() + " -o mission.rawlog").code, 0);
+  EXPECT_EQ(mapFusion("fuse mission.rawlog plane.ot -o again.ot").code, 3)
+      << "three maps, in two files";
+  EXPECT_TRUE(fs::exists(dir_ / "again.ot"));
 }
 
 TEST_F(Missions, OfOneWholeMapAndEdgesMergeNothing) {

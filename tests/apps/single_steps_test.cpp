@@ -121,6 +121,12 @@ TEST_F(SingleSteps, QuietIsSilent) {
   EXPECT_EQ(r.out + r.err, "");
 }
 
+TEST_F(SingleSteps, TellsItsVersion) {
+  const auto r = mapFusion("--version");
+  EXPECT_EQ(r.code, 0);
+  EXPECT_EQ(r.out, "map-fusion " PROJECT_VERSION "\n");
+}
+
 TEST_F(SingleSteps, HelpHasAnExampleForEverySubcommand) {
   EXPECT_EQ(mapFusion("--help").code, 0);
   for (const std::string command :
