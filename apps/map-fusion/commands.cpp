@@ -111,7 +111,7 @@ class Run {
   }
 
   int fuse() {
-    if (!areTwoMaps()) return fuseMany();
+    if (args_.maps.size() != 2) return fuseMany();
     loadBoth();
     const bool accepted = matchMaps();
     if (accepted || args_.force) {
@@ -271,15 +271,6 @@ class Run {
     return robots;
   }
 
-  /** Whether maps A and B are given: two files, unless one has the maps of several robots and
-   * nothing is asked for that is of two. */
-  bool areTwoMaps() const {
-    if (args_.maps.size() != 2) return false;
-    if (!(args_.init + args_.pose_out + args_.picture + args_.scene).empty()) return true;
-    return std::all_of(args_.maps.begin(), args_.maps.end(),
-                       [](const auto& path) { return loadMission(path).size() < 2; });
-  }
-
   int fuseMany() {
     const auto robots = loadRobots();
     if (robots.size() < 2)
@@ -300,10 +291,15 @@ class Run {
     report_.members = std::move(result.members);
     const auto joined = std::count_if(report_.members.begin(), report_.members.end(),
                                       [](const auto& m) { return m.joined; });
+    const bool is_mergeable =
+        std::any_of(report_.members.begin(), report_.members.end(),
+                    [](const auto& m) { return m.hasMatch() && !m.info.by_edges; });
     if (joined > 1)
       saveFused();
-    else
+    else if (is_mergeable)
       std::cerr << "map-fusion: no match was accepted, nothing was merged (--force to merge)\n";
+    else
+      std::cerr << "map-fusion: nothing was merged: edges alone never are, and one map is whole\n";
     const bool accepted =
         std::all_of(report_.members.begin(), report_.members.end(), [](const auto& m) {
           return m.info.by_edges || !m.hasMatch() || m.info.evaluation.accepted;
@@ -415,7 +411,8 @@ class Run {
   }
 
   int finish(bool accepted) {
-    if (!args_.quiet) print(report_, std::cout);
+    const bool is_stdout_taken = isStandardOutput(args_.output) || isStandardOutput(args_.json);
+    if (!args_.quiet) print(report_, is_stdout_taken ? std::cerr : std::cout);
     if (!args_.json.empty()) mrpt::maps::writeFileAtomically(args_.json, toJson(report_));
     return accepted ? kDone : kRejected;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "output.h"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -23,13 +24,22 @@ void Progress::clear() {
   shown_ = false;
 }
 
+bool isStandardOutput(const std::string& path) {
+  struct stat file {};
+  struct stat out {};
+  return !path.empty() && ::stat(path.c_str(), &file) == 0 && ::fstat(STDOUT_FILENO, &out) == 0 &&
+         file.st_dev == out.st_dev && file.st_ino == out.st_ino;
+}
+
 void checkWritable(const std::string& path, const std::vector<std::string>& inputs) {
   std::error_code ignored;
   for (const auto& input : inputs)
     if (fs::equivalent(path, input, ignored))
       throw std::runtime_error(path + ": is an input and is not overwritten");
   if (fs::is_directory(path, ignored)) throw std::runtime_error(path + ": is a directory");
-  const fs::path parent = fs::absolute(path).parent_path();
+  std::error_code is_new;
+  const fs::path target = fs::canonical(path, is_new);  // where a link leads to
+  const fs::path parent = (is_new ? fs::absolute(path) : target).parent_path();
   if (!fs::is_directory(parent, ignored))
     throw std::runtime_error(path + ": there is no directory " + parent.string());
   const bool exists = fs::exists(path, ignored);

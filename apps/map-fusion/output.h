@@ -17,6 +17,9 @@ class Progress {
   bool shown_ = false;
 };
 
+/** Whether a path (may be empty) names what standard output goes to. */
+bool isStandardOutput(const std::string& path);
+
 /** Throws unless a file can be created there, so that a long run does not fail at its end.
  * \exception std::runtime_error "<path>: <reason>"; also if it is one of the inputs. */
 void checkWritable(const std::string& path, const std::vector<std::string>& inputs);

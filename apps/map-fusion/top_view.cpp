@@ -2,7 +2,6 @@
 #include "top_view.h"
 
 #include <mrpt/img/CImage.h>
-#include <mrpt/maps/error_text.h>
 #include <mrpt/maps/octree_io.h>
 #include <unistd.h>
 
@@ -22,17 +21,22 @@ namespace {
 constexpr int kMargin = 30;       // pixels around a panel, with room for its title
 constexpr int kPanelWidth = 900;  // pixels, about
 
-/** An image as a PNG file. MRPT writes one to a file only. */
-std::string pngOf(const mrpt::img::CImage& image) {
-  std::string name = std::filesystem::temp_directory_path() / "map-fusion-XXXXXX.png";
+/** An image as a PNG file: MRPT writes one to a file only, here one beside where it is to be, but
+ * for devices. */
+std::string pngOf(const mrpt::img::CImage& image, const std::string& path) {
+  namespace fs = std::filesystem;
+  const bool is_device = fs::exists(path) && !fs::is_regular_file(path);
+  std::string name =
+      (is_device ? (fs::temp_directory_path() / "view").string() : path) + ".XXXXXX.png";
+  const auto check = [&](bool done) {
+    if (!done) throw std::runtime_error(path + ": cannot be written");
+  };
   const int fd = ::mkstemps(name.data(), 4);
-  if (fd < 0) throw std::runtime_error(name + ": cannot be written");
+  check(fd >= 0);
   ::close(fd);
   const std::shared_ptr<void> removed(nullptr, [&](void*) { ::unlink(name.c_str()); });
-  return mrpt::maps::withPath(name, [&] {
-    if (!image.saveToFile(name)) throw std::runtime_error("cannot be written");
-    return mrpt::maps::readFileBytes(name);
-  });
+  check(image.saveToFile(name));
+  return mrpt::maps::readFileBytes(name);
 }
 
 /** How many voxels stand over each cell of the plan. */
@@ -128,5 +132,5 @@ void drawTopView(const OccupiedVoxels& a, const OccupiedVoxels& b,
   image.textOut(kMargin + bar + 8, bottom - 8, "5 m     A: orange   B: blue   both: black",
                 TColor::black());
 
-  mrpt::maps::writeFileAtomically(path, pngOf(image));
+  mrpt::maps::writeFileAtomically(path, pngOf(image, path));
 }

@@ -30,12 +30,6 @@ TEST(Overlap, ByHand) {
   EXPECT_EQ(overlapOf(0, 10, 0), 0);
 }
 
-TEST(Overlap, OfOneSurfaceIsTheSameWhicheverMapHasTheFinerVoxels) {
-  // 10 m x 10 m at 0.2 m and at 0.05 m, half of it in common.
-  EXPECT_DOUBLE_EQ(overlapOf(20000, 2500, 40000, 0.05 / 0.2), 0.5);
-  EXPECT_DOUBLE_EQ(overlapOf(1250, 40000, 2500, 0.2 / 0.05), 0.5);
-}
-
 TEST(Overlap, IsAtMostOneIfManyVoxelsShareAPartner) { EXPECT_EQ(overlapOf(100, 50, 100), 1); }
 
 TEST(AcceptanceThreshold, IsThatOfThePapersFigure9) {
@@ -237,6 +231,21 @@ TEST(EvaluateMatch, ProbabilityFallsWithWhatSpeaksAgainstThePose) {
   // A row of pillars off: all but as good, beside as good a shift by another.
   EXPECT_LT(probabilityOfBeingRight(0.8, 0.036, 0.6, 0.955), 0.8);
   EXPECT_GE(probabilityOfBeingRight(0, 1, 1, 0), 0);
+}
+
+TEST(EvaluateMatch, OverlapDoesNotHangOnTheSizesOfTheVoxels) {
+  const auto whole = [] { return MapWriter(0.1).box({0, 0, 0}, {0, 19, 9}, 0.F).pruned(); };
+  const auto half = [] { return MapWriter(0.05).box({0, 0, 0}, {1, 19, 19}, 0.F).pruned(); };
+  const auto overlap = [](const Case& c, uint32_t n) {
+    Pairs pairs;
+    for (uint32_t i = 0; i < n; i++) pairs.push_back({0, i, 0});
+    return c.with(pairs).overlap;
+  };
+  const Case fine_scene{whole(), half()}, fine_model{half(), whole()};
+  ASSERT_EQ(fine_scene.b.voxels.size(), 800);
+  EXPECT_DOUBLE_EQ(overlap(fine_scene, 800), 0.75);
+  EXPECT_DOUBLE_EQ(overlap(fine_scene, 400), 0.375);
+  EXPECT_DOUBLE_EQ(overlap(fine_model, 100), 0.75);
 }
 
 TEST(EvaluateMatch, TooLittleOverlapIsRejectedHoweverGoodItLooks) {

@@ -2,6 +2,7 @@
 #include <mrpt/fusion/evaluation.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 
@@ -29,18 +30,32 @@ std::string percent(double ratio) {
   return text;
 }
 
+/** How many voxels of a larger size a map's occupied voxels would be. O(n log n). */
+size_t countInVoxelsOf(double size, const OccupiedVoxels& voxels) {
+  std::vector<std::array<int, 3>> taken(voxels.size());
+  std::transform(voxels.centre.begin(), voxels.centre.end(), taken.begin(), [&](const auto& p) {
+    const auto at = [&](unsigned axis) { return static_cast<int>(std::floor(p[axis] / size)); };
+    return std::array<int, 3>{at(0), at(1), at(2)};
+  });
+  std::sort(taken.begin(), taken.end());
+  return static_cast<size_t>(std::unique(taken.begin(), taken.end()) - taken.begin());
+}
+
+/** The share of a map's voxels that is left when they are counted in voxels of a size. */
+double coarseningTo(double size, const OccupiedVoxels& voxels) {
+  if (size <= voxels.resolution || voxels.size() == 0) return 1;
+  return static_cast<double>(countInVoxelsOf(size, voxels)) / static_cast<double>(voxels.size());
+}
+
 }  // namespace
 
 double mahalanobisDistance(double squared_distance, double p_model, double p_scene) {
   return std::sqrt(squared_distance / (1 / p_model + 1 / p_scene));
 }
 
-double overlapOf(size_t matches, size_t model_voxels, size_t scene_voxels, double size_ratio) {
+double overlapOf(double matches, double model_voxels, double scene_voxels) {
   if (model_voxels == 0 || scene_voxels == 0) return 0;
-  const auto n = static_cast<double>(matches);
-  const double of_scene = n / static_cast<double>(scene_voxels);
-  const double of_model = n * size_ratio * size_ratio / static_cast<double>(model_voxels);
-  return 0.5 * (std::min(of_scene, 1.0) + std::min(of_model, 1.0));
+  return 0.5 * (std::min(matches / scene_voxels, 1.0) + std::min(matches / model_voxels, 1.0));
 }
 
 double acceptanceThreshold(double overlap) { return std::clamp(0.9 - overlap / 2, 0.6, 0.8); }
@@ -88,8 +103,13 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
                stride_b = strideFor(b.voxels.size(), enough);
   e.asked = (b.voxels.size() + stride_b - 1) / stride_b;
   e.pairs = pairs.size();
-  e.overlap = overlapOf(stride_b * pairs.size(), a.voxels.size(), stride_b * e.asked,
-                        b.voxels.resolution / a.voxels.resolution);
+  // Both in voxels of the larger size: a wall counts no more for being of many small ones.
+  const double size = std::max(a.voxels.resolution, b.voxels.resolution);
+  const double counted_a = coarseningTo(size, a.voxels),
+               counted_b = coarseningTo(size, b.voxels) * static_cast<double>(stride_b);
+  e.overlap = overlapOf(counted_b * static_cast<double>(pairs.size()),
+                        counted_a * static_cast<double>(a.voxels.size()),
+                        counted_b * static_cast<double>(e.asked));
   e.threshold = acceptanceThreshold(e.overlap);
   double sum = 0;
   for (const Pair& p : pairs) {

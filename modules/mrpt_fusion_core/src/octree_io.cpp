@@ -269,9 +269,9 @@ void writeFileAtomically(const std::string& path, std::string_view bytes) {
 
 void writeFileAtomically(const std::string& path,
                          const std::function<void(const ByteSink&)>& write) {
-  // Of a link, what it leads to is replaced. What has no name there, as a pipe behind /dev/stdout,
-  // is written to, and so is a device or a pipe: it has no contents to protect, and a rename would
-  // replace it by a file.
+  // Of a link, what it leads to is replaced, if it is there. What has no name, as a pipe behind
+  // /dev/stdout, is written to, and so is a device or a pipe: it has no contents to protect, and a
+  // rename would replace it by a file.
   std::error_code nameless;
   const std::string named = std::filesystem::canonical(path, nameless).string();
   const std::string& target = nameless ? path : named;

@@ -62,10 +62,8 @@ struct Evaluation {
  * the distance is taken in metres: 0.2 is 0.29 m at p = 0.97. */
 double mahalanobisDistance(double squared_distance, double p_model, double p_scene);
 
-/** Eq. (25): the overlap Theta, mean share of matched voxels in both maps, [0,1]. A match is a
- * voxel of the scene; where voxels are of other sizes, it counts in the model for the surface it
- * covers. \param[in] size_ratio Side of the scene's voxels over that of the model's. */
-double overlapOf(size_t matches, size_t model_voxels, size_t scene_voxels, double size_ratio = 1);
+/** Eq. (25): the overlap Theta, mean share of matched voxels in both maps, [0,1]. */
+double overlapOf(double matches, double model_voxels, double scene_voxels);
 
 /** The least inlier ratio accepted at an overlap (the list after eq. 25): 0.8 up to Theta = 0.2,
  * 0.9 - Theta / 2 up to 0.6, then 0.6. The paper's Fig. 9: 0.7 at 0.4. */

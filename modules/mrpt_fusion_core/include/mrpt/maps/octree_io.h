@@ -59,7 +59,8 @@ std::string readFileBytes(const std::string& path);
 using ByteSink = std::function<void(std::string_view)>;
 
 /** Writes a file so that either all of it is there or nothing has changed: into a temporary file
- * beside \a path, flushed, then renamed.
+ * beside \a path, or beside what a link of that name leads to, flushed, then renamed. A device or a
+ * pipe is written to as it is.
  * \exception std::runtime_error With the system's reason (full disk, no such directory...). */
 void writeFileAtomically(const std::string& path, std::string_view bytes);
 
