@@ -27,7 +27,7 @@ struct Report {
   std::string command;
   std::vector<MapReport> maps;
   std::optional<mrpt::poses::CPose3D> initial_pose;
-  std::optional<mrpt::poses::CPose3DPDFGaussian> pose;  ///< covariance zero if merged at
+  std::optional<mrpt::poses::CPose3DPDFGaussian> pose;  ///< covariance zero if not judged
   std::optional<mrpt::fusion::Alignment> match;
   std::vector<mrpt::fusion::FusionMember> members;        ///< of a fusion of many maps
   std::optional<size_t> bytes;                            ///< written by `pack`

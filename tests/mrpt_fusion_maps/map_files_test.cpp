@@ -145,6 +145,14 @@ CSimpleMap simpleMap(unsigned count = 3, size_t points = 100) {
   return frames;
 }
 
+/** What MRPT writes for a null pointer. */
+std::string nullObject() {
+  mrpt::io::CMemoryStream memory;
+  mrpt::serialization::archiveFrom(memory).WriteObject(nullptr);
+  return {static_cast<const char*>(memory.getRawBufferData()),
+          static_cast<size_t>(memory.getTotalBytesCount())};
+}
+
 CProbOctoMap simpleMapsMap() {
   std::vector<std::pair<CObservation::Ptr, CPose3D>> inserted;
   for (unsigned i = 0; i < 3; i++)
@@ -536,11 +544,7 @@ TEST_F(MapFiles, RecordingsWithoutPosesOrObservationsAreRefused) {
 }
 
 TEST_F(MapFiles, ANullObjectIsNoMap) {
-  mrpt::io::CMemoryStream memory;
-  mrpt::serialization::archiveFrom(memory).WriteObject(nullptr);
-  const std::string null(static_cast<const char*>(memory.getRawBufferData()),
-                         static_cast<size_t>(memory.getTotalBytesCount()));
-  const std::string path = file("null", null);
+  const std::string path = file("null", nullObject());
   // In a process of its own, which a null pointer would end.
   EXPECT_EXIT(
       ::_exit(errorOf([&] { loadMap(path); }).empty() || errorOf([&] { buildMap(path); }).empty()),
@@ -548,17 +552,13 @@ TEST_F(MapFiles, ANullObjectIsNoMap) {
 }
 
 TEST_F(MapFiles, ANullObjectInARecordingIsAnError) {
-  mrpt::io::CMemoryStream memory;
-  mrpt::serialization::archiveFrom(memory).WriteObject(nullptr);
-  const std::string null(static_cast<const char*>(memory.getRawBufferData()),
-                         static_cast<size_t>(memory.getTotalBytesCount()));
   const CSimpleMap frames = simpleMap(1, 2);
   const auto& frame = *frames.begin();
   const std::string observation = serialized(**frame.sf->begin());
   const auto withNullFor = [&](std::string bytes, const std::string& object) {
     const size_t at = bytes.find(object);
     EXPECT_NE(std::string::npos, at);
-    return at == std::string::npos ? bytes : bytes.replace(at, object.size(), null);
+    return at == std::string::npos ? bytes : bytes.replace(at, object.size(), nullObject());
   };
   for (const std::string& bytes : {withNullFor(serialized(frames), serialized(*frame.pose)),
                                    withNullFor(serialized(frames), serialized(*frame.sf)),
