@@ -5,9 +5,6 @@
 #include <mrpt/core/format.h>
 #include <mrpt/fusion/edge_octree.h>
 #include <mrpt/fusion/many_maps.h>
-#include <mrpt/maps/error_text.h>
-#include <mrpt/maps/octree_io.h>
-#include <mrpt/maps/octree_resampling.h>
 #include <mrpt/system/CTicTac.h>
 
 #include <algorithm>
@@ -19,6 +16,10 @@
 #include <optional>
 #include <stdexcept>
 
+#include "fusion_base/error_text.h"
+#include "fusion_base/files.h"
+#include "fusion_octree/files.h"
+#include "fusion_octree/resampling.h"
 #include "mrpt_maps.h"
 #include "output.h"
 #include "pose.h"
@@ -32,15 +33,15 @@ namespace {
 constexpr const char* kMatchingSection = "ProbabilisticMapMatching";
 
 bool isOcTree(const std::string& path) {
-  return mrpt::maps::withPath(
-      path, [&] { return mrpt::maps::isOcTreeFile(mrpt::maps::beginningOf(path)); });
+  return mrpt::fusion::withPath(
+      path, [&] { return mrpt::fusion::isOcTreeFile(mrpt::fusion::beginningOf(path)); });
 }
 
 /** What map a file of any kind holds. \exception std::runtime_error "<path>: <reason>". */
-LoadedMap loadAnyMap(const std::string& path, const mrpt::maps::BuildParams& params) {
+LoadedMap loadAnyMap(const std::string& path, const mrpt::fusion::BuildParams& params) {
   if (!isOcTree(path)) return mrptMaps().load(path, params);
-  return mrpt::maps::withPath(path, [&]() -> LoadedMap {
-    return {mrpt::maps::parseOcTreeFile(mrpt::maps::readFileBytes(path)), nullptr, nullptr};
+  return mrpt::fusion::withPath(path, [&]() -> LoadedMap {
+    return {mrpt::fusion::parseOcTreeFile(mrpt::fusion::readFileBytes(path)), nullptr, nullptr};
   });
 }
 
@@ -53,7 +54,7 @@ std::vector<Robot> loadMission(const std::string& path) {
 void saveMap(const std::shared_ptr<const octomap::OcTree>& map, const std::string& path) {
   const std::string extension = std::filesystem::path(path).extension();
   if (extension == ".ot" || extension == ".bt")
-    mrpt::maps::saveOcTree(*map, path);
+    mrpt::fusion::saveOcTree(*map, path);
   else
     mrptMaps().save({map, nullptr, nullptr}, path);
 }
@@ -95,7 +96,7 @@ class Run {
     inputs.insert(inputs.end(), {args.config, args.init, args.pose});
     for (const auto& path : {args.output, args.pose_out, args.picture, args.scene, args.json})
       if (!path.empty()) checkWritable(path, inputs);
-    if (!args.config.empty()) mrpt::maps::withPath(args.config, [this] { loadConfig(); });
+    if (!args.config.empty()) mrpt::fusion::withPath(args.config, [this] { loadConfig(); });
     if (args.full_6dof) options_.match.search.rotations = mrpt::fusion::SearchRotations::All;
     on_iteration_ = [this](const mrpt::fusion::IterationRecord& i) {
       const char* level = i.level == mrpt::fusion::Level::Edge ? "edges" : "voxels";
@@ -153,7 +154,7 @@ class Run {
     report_.edges = edges->size();
     step("edges");
     if (std::filesystem::path(args_.output).extension() == ".ply")
-      mrpt::maps::writeFileAtomically(args_.output, toPly(*edges));
+      mrpt::fusion::writeFileAtomically(args_.output, toPly(*edges));
     else
       mrptMaps().save({nullptr, edges, nullptr}, args_.output);
     step("save");
@@ -165,7 +166,7 @@ class Run {
     const LoadedMap map = load("map", args_.maps[0]);
     const double resolution = args_.resolution > 0 ? args_.resolution : map.octree->getResolution();
     const std::shared_ptr<const octomap::OcTree> moved =
-        mrpt::maps::transformOcTree(*map.octree, mrpt::fusion::toEigen(pose), resolution);
+        mrpt::fusion::transformOcTree(*map.octree, mrpt::fusion::toEigen(pose), resolution);
     step("transform");
     saveMap(moved, args_.output);
     step("save");
@@ -204,7 +205,7 @@ class Run {
 
  private:
   void loadConfig() {
-    mrpt::maps::readFileBytes(args_.config);  // MRPT takes a missing file for an empty one
+    mrpt::fusion::readFileBytes(args_.config);  // MRPT takes a missing file for an empty one
     config_ = std::make_unique<mrpt::config::CConfigFile>(args_.config);
     const bool has_map = config_->sectionExists(args_.section);
     const bool has_matching = config_->sectionExists(kMatchingSection);
@@ -214,8 +215,8 @@ class Run {
     if (has_matching) options_.loadFromConfigFile(*config_, kMatchingSection);
   }
 
-  mrpt::maps::BuildParams buildParams() {
-    mrpt::maps::BuildParams params;
+  mrpt::fusion::BuildParams buildParams() {
+    mrpt::fusion::BuildParams params;
     if (config_ && config_->sectionExists(args_.section)) params.config = config_.get();
     params.section = args_.section;
     params.progress = [this](size_t n) {
@@ -343,7 +344,7 @@ class Run {
     report_.seconds.emplace_back("evaluate", info.seconds_evaluation);
     clock_.Tic();
     if (!args_.pose_out.empty())
-      mrpt::maps::writeFileAtomically(args_.pose_out, toMatrixText(report_.pose->mean));
+      mrpt::fusion::writeFileAtomically(args_.pose_out, toMatrixText(report_.pose->mean));
     return info.evaluation.accepted;
   }
 
@@ -413,7 +414,7 @@ class Run {
   int finish(bool accepted) {
     const bool is_stdout_taken = isStandardOutput(args_.output) || isStandardOutput(args_.json);
     if (!args_.quiet) print(report_, is_stdout_taken ? std::cerr : std::cout);
-    if (!args_.json.empty()) mrpt::maps::writeFileAtomically(args_.json, toJson(report_));
+    if (!args_.json.empty()) mrpt::fusion::writeFileAtomically(args_.json, toJson(report_));
     return accepted ? kDone : kRejected;
   }
 

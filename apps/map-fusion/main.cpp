@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mrpt/maps/error_text.h>
 #include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
@@ -7,6 +6,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "fusion_base/error_text.h"
 
 namespace {
 
@@ -186,7 +186,7 @@ int main(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     std::cerr << "map-fusion: out of memory\n";
   } catch (const std::exception& e) {
-    std::cerr << "map-fusion: " << mrpt::maps::messageOf(e) << "\n";
+    std::cerr << "map-fusion: " << mrpt::fusion::messageOf(e) << "\n";
   }
   return kFailure;
 }

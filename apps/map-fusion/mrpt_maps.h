@@ -2,9 +2,9 @@
 #pragma once
 
 #include <mrpt/fusion/alignment.h>
+#include <mrpt/fusion/build_params.h>
 #include <mrpt/fusion/fusion_view.h>
 #include <mrpt/fusion/poses.h>
-#include <mrpt/maps/build_params.h>
 
 #include <memory>
 #include <string>
@@ -54,14 +54,15 @@ class MrptMaps {
   virtual ~MrptMaps() = default;
 
   /** A map from a file that is no octree's. */
-  virtual LoadedMap load(const std::string& path, const mrpt::maps::BuildParams& params) const = 0;
+  virtual LoadedMap load(const std::string& path,
+                         const mrpt::fusion::BuildParams& params) const = 0;
   /** The last map of each robot in a recorded mission; none if the file is something else. */
   virtual std::vector<Robot> loadMission(const std::string& path) const = 0;
   virtual void saveMission(const std::vector<Robot>& robots, const std::string& path) const = 0;
   /** Makes a map of a recording. */
   virtual BuiltMap build(const std::string& recording,
-                         const mrpt::maps::BuildParams& params) const = 0;
-  /** See mrpt::maps::saveMap(). */
+                         const mrpt::fusion::BuildParams& params) const = 0;
+  /** See mrpt::fusion::saveMap(). */
   virtual void save(const LoadedMap& map, const std::string& path) const = 0;
   virtual void drawScene(const mrpt::fusion::FusionView& view, const std::string& path) const = 0;
   /** See drawTopView(). */

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/fusion/fusion_scene.h>
+#include <mrpt/fusion/map_files.h>
 #include <mrpt/maps/CEdgeVoxelMap.h>
-#include <mrpt/maps/error_text.h>
-#include <mrpt/maps/map_files.h>
-#include <mrpt/slam/fusion_scene.h>
 
 #include <stdexcept>
 
+#include "fusion_base/error_text.h"
 #include "mrpt_maps.h"
 
 using mrpt::maps::CEdgeVoxelMap;
@@ -19,7 +19,7 @@ LoadedMap workable(const CMetricMap::Ptr& map) {
   if (const auto* edges = dynamic_cast<const CEdgeVoxelMap*>(map.get()))
     return {
         std::make_shared<const octomap::OcTree>(edges->asOcTree()), {map, &edges->edges()}, map};
-  const auto octomap = mrpt::maps::asProbOctoMap(CMetricMap::ConstPtr(map));
+  const auto octomap = mrpt::fusion::asProbOctoMap(CMetricMap::ConstPtr(map));
   if (!octomap)
     throw std::runtime_error(std::string("a ") + map->GetRuntimeClass()->className +
                              " is not, and holds no, 3-D occupancy map");
@@ -35,19 +35,19 @@ CMetricMap::Ptr mrptMapOf(const LoadedMap& map) {
 
 class MapsOfModule : public MrptMaps {
  public:
-  LoadedMap load(const std::string& path, const mrpt::maps::BuildParams& params) const override {
-    const CMetricMap::Ptr map = mrpt::maps::loadAnyMap(path, params);
-    return mrpt::maps::withPath(path, [&] { return workable(map); });
+  LoadedMap load(const std::string& path, const mrpt::fusion::BuildParams& params) const override {
+    const CMetricMap::Ptr map = mrpt::fusion::loadAnyMap(path, params);
+    return mrpt::fusion::withPath(path, [&] { return workable(map); });
   }
 
   std::vector<Robot> loadMission(const std::string& path) const override {
     std::vector<Robot> robots;
-    for (const auto& sent : mrpt::maps::loadLocalMaps(path)) {
+    for (const auto& sent : mrpt::fusion::loadLocalMaps(path)) {
       if (!sent->map)
         throw std::runtime_error(path + ": the map of " + sent->sensorLabel + " is missing");
       Robot& robot = robots.emplace_back();
       robot.name = sent->sensorLabel;
-      robot.map = mrpt::maps::withPath(path, [&] { return workable(sent->map); });
+      robot.map = mrpt::fusion::withPath(path, [&] { return workable(sent->map); });
       robot.map.mrpt = sent->map;
       robot.pose = sent->pose;
       robot.sent = sent;
@@ -64,25 +64,25 @@ class MapsOfModule : public MrptMaps {
       o->map = mrptMapOf(robot.map);
       observations.push_back(o);
     }
-    mrpt::maps::saveLocalMaps(observations, path);
+    mrpt::fusion::saveLocalMaps(observations, path);
   }
 
   BuiltMap build(const std::string& recording,
-                 const mrpt::maps::BuildParams& params) const override {
-    const auto built = mrpt::maps::buildMap(recording, params);
+                 const mrpt::fusion::BuildParams& params) const override {
+    const auto built = mrpt::fusion::buildMap(recording, params);
     LoadedMap map;
     map.mrpt = built.map;
-    if (const auto octomap = mrpt::maps::asProbOctoMap(CMetricMap::ConstPtr(built.map)))
+    if (const auto octomap = mrpt::fusion::asProbOctoMap(CMetricMap::ConstPtr(built.map)))
       map.octree = {octomap, &octomap->octree()};
     return {map, built.inserted, built.ignored};
   }
 
   void save(const LoadedMap& map, const std::string& path) const override {
-    mrpt::maps::saveMap(*mrptMapOf(map), path);
+    mrpt::fusion::saveMap(*mrptMapOf(map), path);
   }
 
   void drawScene(const mrpt::fusion::FusionView& view, const std::string& path) const override {
-    mrpt::maps::saveObject(*mrpt::slam::drawFusion(view), path);
+    mrpt::fusion::saveObject(*mrpt::fusion::drawFusion(view), path);
   }
   void drawPicture(const mrpt::fusion::OccupiedVoxels& a, const mrpt::fusion::OccupiedVoxels& b,
                    const std::vector<TopViewPanel>& panels,

@@ -2,13 +2,15 @@
 #include "pose.h"
 
 #include <mrpt/fusion/poses.h>
-#include <mrpt/maps/error_text.h>
-#include <mrpt/maps/octree_io.h>
 
 #include <Eigen/SVD>
 #include <sstream>
 #include <stdexcept>
 #include <vector>
+
+#include "fusion_base/error_text.h"
+#include "fusion_base/files.h"
+#include "fusion_octree/files.h"
 
 namespace {
 
@@ -65,7 +67,8 @@ mrpt::poses::CPose3D parsePose(const std::string& text) {
     return mrpt::poses::CPose3D(v[0], v[1], v[2], mrpt::DEG2RAD(v[3]), mrpt::DEG2RAD(v[4]),
                                 mrpt::DEG2RAD(v[5]));
   }
-  return mrpt::maps::withPath(text, [&] { return parseMatrix(mrpt::maps::readFileBytes(text)); });
+  return mrpt::fusion::withPath(text,
+                                [&] { return parseMatrix(mrpt::fusion::readFileBytes(text)); });
 }
 
 std::string toMatrixText(const mrpt::poses::CPose3D& pose) {

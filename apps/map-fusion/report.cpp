@@ -2,13 +2,14 @@
 #include "report.h"
 
 #include <mrpt/fusion/poses.h>
-#include <mrpt/maps/octree_voxels.h>
 
 #include <algorithm>
 #include <cstdarg>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <ostream>
+
+#include "fusion_octree/walk.h"
 
 using Json = nlohmann::ordered_json;
 
@@ -152,7 +153,7 @@ MapReport reportOn(const std::string& role, const std::string& path, const octom
   m.resolution = map.getResolution();
   m.nodes = map.size();
   if (map.size() > 0) {
-    const Eigen::AlignedBox3d known = mrpt::maps::knownSpace(map);
+    const Eigen::AlignedBox3d known = mrpt::fusion::knownSpace(map);
     std::copy_n(known.min().data(), 3, m.low);
     std::copy_n(known.max().data(), 3, m.high);
   }

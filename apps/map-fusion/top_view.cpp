@@ -2,7 +2,6 @@
 #include "top_view.h"
 
 #include <mrpt/img/CImage.h>
-#include <mrpt/maps/octree_io.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,6 +11,9 @@
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
+
+#include "fusion_base/files.h"
+#include "fusion_octree/files.h"
 
 using mrpt::fusion::OccupiedVoxels;
 using mrpt::img::TColor;
@@ -36,7 +38,7 @@ std::string pngOf(const mrpt::img::CImage& image, const std::string& path) {
   ::close(fd);
   const std::shared_ptr<void> removed(nullptr, [&](void*) { ::unlink(name.c_str()); });
   check(image.saveToFile(name));
-  return mrpt::maps::readFileBytes(name);
+  return mrpt::fusion::readFileBytes(name);
 }
 
 /** How many voxels stand over each cell of the plan. */
@@ -132,5 +134,5 @@ void drawTopView(const OccupiedVoxels& a, const OccupiedVoxels& b,
   image.textOut(kMargin + bar + 8, bottom - 8, "5 m     A: orange   B: blue   both: black",
                 TColor::black());
 
-  mrpt::maps::writeFileAtomically(path, pngOf(image, path));
+  mrpt::fusion::writeFileAtomically(path, pngOf(image, path));
 }

@@ -4,7 +4,7 @@
 #include <sstream>
 #include <string>
 
-#include "../run_program.h"
+#include "support/run_program.h"
 
 /** map-fusion, run in a fresh folder. */
 class AppTest : public ProgramTest {

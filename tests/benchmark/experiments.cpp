@@ -3,9 +3,7 @@
 
 #include <mrpt/core/bits_math.h>
 #include <mrpt/fusion/evaluation.h>
-#include <mrpt/fusion/matching.h>
 #include <mrpt/fusion/merging.h>
-#include <mrpt/maps/octree_resampling.h>
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -17,6 +15,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "fusion_core/pair/matching.h"
+#include "fusion_octree/resampling.h"
 #include "pmm_methods.h"
 #include "stopwatch.h"
 #include "truth.h"
@@ -318,7 +318,7 @@ void mixMaps(const MapPair& pair, const Effort& effort, std::ostream& csv) {
   writeRow(csv, "dataset,mix,start,error_m,error_deg,verdict");
   const auto of = [&](const octomap::OcTree& map, double resolution) {
     return std::shared_ptr<const octomap::OcTree>(
-        mrpt::maps::transformOcTree(map, Eigen::Isometry3d::Identity(), resolution));
+        mrpt::fusion::transformOcTree(map, Eigen::Isometry3d::Identity(), resolution));
   };
   const double d = pair.a->getResolution();
   const float occupied = pair.b->getClampingThresMaxLog(), free = pair.b->getClampingThresMinLog();

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_pair.h"
 
-#include <mrpt/fusion/association.h>
+#include <mrpt/fusion/map_files.h>
 #include <mrpt/fusion/voxels.h>
-#include <mrpt/maps/map_files.h>
-#include <mrpt/maps/octree_build.h>
 
 #include <cmath>
 #include <filesystem>
@@ -12,6 +10,9 @@
 #include <limits>
 #include <random>
 #include <stdexcept>
+
+#include "fusion_core/registration/association.h"
+#include "fusion_octree/build.h"
 
 namespace mrpt::fusion::benchmark {
 namespace {
@@ -26,8 +27,8 @@ class CropVisitor {
   CropVisitor(const octomap::OcTree& map, const Eigen::Vector3d& direction, double offset)
       : map_(map), direction_(direction), offset_(offset) {}
 
-  mrpt::maps::OcTreeFill visit(const mrpt::maps::OcTreeCube& cube, State node) const {
-    using mrpt::maps::OcTreeFill;
+  mrpt::fusion::OcTreeFill visit(const mrpt::fusion::OcTreeCube& cube, State node) const {
+    using mrpt::fusion::OcTreeFill;
     if (!node) return OcTreeFill::unknown();
     const double half = 0.5 * cube.side() * map_.getResolution();
     const octomap::point3d low = map_.keyToCoord(cube.key);  // the middle of its first voxel
@@ -41,8 +42,8 @@ class CropVisitor {
     return depth > 0 ? OcTreeFill::leaf(node->getLogOdds()) : OcTreeFill::unknown();
   }
 
-  State descend(State node, unsigned i, const mrpt::maps::OcTreeCube&) const {
-    return mrpt::maps::childOrSelf(map_, node, i);
+  State descend(State node, unsigned i, const mrpt::fusion::OcTreeCube&) const {
+    return mrpt::fusion::childOrSelf(map_, node, i);
   }
 
  private:
@@ -54,7 +55,7 @@ class CropVisitor {
 }  // namespace
 
 std::shared_ptr<const octomap::OcTree> loadTree(const std::string& path) {
-  const auto map = mrpt::maps::loadMap(path);
+  const auto map = mrpt::fusion::loadMap(path);
   return {map, &map->octree()};
 }
 
@@ -123,9 +124,9 @@ PoseError errorOf(const Eigen::Isometry3d& T_a_b, const MapPair& pair) {
 std::shared_ptr<const octomap::OcTree> cropMap(const octomap::OcTree& map,
                                                const Eigen::Vector3d& direction, double offset) {
   auto part = std::make_shared<octomap::OcTree>(map.getResolution());
-  mrpt::maps::OcTreeAccess::setSensorModel(*part, mrpt::maps::OcTreeAccess::sensorModel(map));
+  mrpt::fusion::OcTreeAccess::setSensorModel(*part, mrpt::fusion::OcTreeAccess::sensorModel(map));
   CropVisitor visitor(map, direction, offset);
-  mrpt::maps::buildOcTree(*part, CropVisitor::State{map.getRoot()}, visitor);
+  mrpt::fusion::buildOcTree(*part, CropVisitor::State{map.getRoot()}, visitor);
   return part;
 }
 
@@ -135,7 +136,7 @@ namespace {
 template <class F>
 std::shared_ptr<const octomap::OcTree> voxelByVoxel(const octomap::OcTree& map, F&& f) {
   auto result = std::make_shared<octomap::OcTree>(map.getResolution());
-  mrpt::maps::OcTreeAccess::setSensorModel(*result, mrpt::maps::OcTreeAccess::sensorModel(map));
+  mrpt::fusion::OcTreeAccess::setSensorModel(*result, mrpt::fusion::OcTreeAccess::sensorModel(map));
   for (auto leaf = map.begin_leafs(); leaf != map.end_leafs(); ++leaf) {
     const octomap::OcTreeKey low = leaf.getIndexKey();
     const int side = 1 << (map.getTreeDepth() - leaf.getDepth());

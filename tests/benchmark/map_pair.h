@@ -20,7 +20,7 @@ struct MapPair {
   Eigen::Vector3d centre_of_b = Eigen::Vector3d::Zero();  ///< of its occupied voxels, B's frame, m
 };
 
-/** A map file's octree. \exception std::runtime_error As mrpt::maps::loadMap(). */
+/** A map file's octree. \exception std::runtime_error As mrpt::fusion::loadMap(). */
 std::shared_ptr<const octomap::OcTree> loadTree(const std::string& path);
 /** A 4x4 row-major matrix. \exception std::runtime_error If it is not one. */
 Eigen::Isometry3d loadPose(const std::string& path);

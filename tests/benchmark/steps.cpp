@@ -7,9 +7,7 @@
  */
 #include <benchmark/benchmark.h>
 #include <mrpt/fusion/evaluation.h>
-#include <mrpt/fusion/matching.h>
 #include <mrpt/fusion/merging.h>
-#include <mrpt/maps/octree_io.h>
 #include <stdlib.h>
 #include <tbb/global_control.h>
 
@@ -23,6 +21,9 @@
 #include <utility>
 #include <vector>
 
+#include "fusion_base/files.h"
+#include "fusion_core/pair/matching.h"
+#include "fusion_octree/files.h"
 #include "map_pair.h"
 
 namespace {
@@ -72,7 +73,7 @@ size_t bytesOf(const OccupiedVoxels& v) {
 /** A key and a mask for each block, a key and a depth for each larger cube. */
 size_t bytesOf(const FreeSpace& free) {
   size_t bytes = 0;
-  free.forEachCube(2, [&](const mrpt::maps::OcTreeCube& cube) {
+  free.forEachCube(2, [&](const mrpt::fusion::OcTreeCube& cube) {
     bytes += sizeof(cube.key) + (cube.depth == FreeSpace::kBlock ? sizeof(uint64_t) : 1);
   });
   return bytes;
@@ -128,14 +129,14 @@ class TemporaryFolder {
 // The steps. -------------------------------------------------------------------------------------
 
 void parse(State& state, const Workload& w) {
-  const std::string file = mrpt::maps::readFileBytes(w.pair.folder + "/map_a.ot");
-  measure(state, [&] { return mrpt::maps::parseOcTreeFile(file); });
+  const std::string file = mrpt::fusion::readFileBytes(w.pair.folder + "/map_a.ot");
+  measure(state, [&] { return mrpt::fusion::parseOcTreeFile(file); });
   report(state, w.a.voxels.size(), file.size() + bytesOf(*w.pair.a));  // file in, tree out
 }
 
 void load(State& state, const Workload& w) {
   const std::string path = w.pair.folder + "/map_a.ot";
-  measure(state, [&] { return mrpt::maps::parseOcTreeFile(mrpt::maps::readFileBytes(path)); });
+  measure(state, [&] { return mrpt::fusion::parseOcTreeFile(mrpt::fusion::readFileBytes(path)); });
   report(state, w.a.voxels.size(), fs::file_size(path) + bytesOf(*w.pair.a));  // file in, tree out
 }
 
@@ -254,7 +255,7 @@ void save(State& state, const Workload& w) {
   const TemporaryFolder folder;
   const std::string path = folder.file("map.ot");
   measure(state, [&] {
-    mrpt::maps::saveOcTree(*w.pair.a, path);
+    mrpt::fusion::saveOcTree(*w.pair.a, path);
     return 0;
   });
   report(state, w.a.voxels.size(), bytesOf(*w.pair.a) + fs::file_size(path));  // tree in, file out

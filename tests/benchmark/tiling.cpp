@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tiling.h"
 
-#include <mrpt/maps/octree_build.h>
-#include <mrpt/maps/octree_io.h>
-#include <mrpt/maps/octree_resampling.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <stdexcept>
+
+#include "fusion_octree/build.h"
+#include "fusion_octree/files.h"
+#include "fusion_octree/resampling.h"
 
 namespace mrpt::fusion::benchmark {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr uint32_t kGridSide = 1U << mrpt::maps::OcTreeCube::kMaxDepth;
+constexpr uint32_t kGridSide = 1U << mrpt::fusion::OcTreeCube::kMaxDepth;
 
 class TilingVisitor {
  public:
@@ -23,22 +23,22 @@ class TilingVisitor {
 
   TilingVisitor(const octomap::OcTree& map, const Tiles& tiles) : map_(map), tiles_(tiles) {}
 
-  mrpt::maps::OcTreeFill visit(const mrpt::maps::OcTreeCube& cube, State node) const {
-    using mrpt::maps::OcTreeFill;
+  mrpt::fusion::OcTreeFill visit(const mrpt::fusion::OcTreeCube& cube, State node) const {
+    using mrpt::fusion::OcTreeFill;
     if (cube.side() > Tiles::kBlock)
       return touchesTiles(cube) ? OcTreeFill::split() : OcTreeFill::unknown();
     if (!node) return OcTreeFill::unknown();
     return map_.nodeHasChildren(node) ? OcTreeFill::split() : OcTreeFill::leaf(node->getLogOdds());
   }
 
-  State descend(State node, unsigned i, const mrpt::maps::OcTreeCube& cube) const {
+  State descend(State node, unsigned i, const mrpt::fusion::OcTreeCube& cube) const {
     if (cube.side() > Tiles::kBlock) return nullptr;
     if (cube.side() == Tiles::kBlock) return originalOf(cube);
-    return mrpt::maps::childOrSelf(map_, node, i);
+    return mrpt::fusion::childOrSelf(map_, node, i);
   }
 
  private:
-  bool touchesTiles(const mrpt::maps::OcTreeCube& cube) const {
+  bool touchesTiles(const mrpt::fusion::OcTreeCube& cube) const {
     for (unsigned axis = 0; axis < 3; axis++) {
       const uint32_t low = tiles_.first[axis];
       const uint32_t high = low + tiles_.copies[axis] * tiles_.period[axis];
@@ -48,7 +48,7 @@ class TilingVisitor {
   }
 
   /** The node of the block that a block is a copy of, or the leaf that holds it. */
-  State originalOf(const mrpt::maps::OcTreeCube& block) const {
+  State originalOf(const mrpt::fusion::OcTreeCube& block) const {
     if (!touchesTiles(block)) return nullptr;
     octomap::OcTreeKey key;
     for (unsigned axis = 0; axis < 3; axis++)
@@ -89,21 +89,21 @@ Tiles tilesFor(const octomap::OcTree& a, const octomap::OcTree& b, uint32_t nx, 
 
 std::unique_ptr<octomap::OcTree> tileMap(const octomap::OcTree& map, const Tiles& tiles) {
   auto tiled = std::make_unique<octomap::OcTree>(map.getResolution());
-  mrpt::maps::OcTreeAccess::setSensorModel(*tiled, mrpt::maps::OcTreeAccess::sensorModel(map));
+  mrpt::fusion::OcTreeAccess::setSensorModel(*tiled, mrpt::fusion::OcTreeAccess::sensorModel(map));
   TilingVisitor visitor(map, tiles);
-  mrpt::maps::buildOcTree(*tiled, TilingVisitor::State{nullptr}, visitor);
+  mrpt::fusion::buildOcTree(*tiled, TilingVisitor::State{nullptr}, visitor);
   return tiled;
 }
 
 void writeTiledPair(const MapPair& pair, uint32_t nx, uint32_t ny, const std::string& folder) {
   fs::create_directories(folder);
-  const auto b_in_a = mrpt::maps::transformOcTree(*pair.b, pair.T_a_b, pair.a->getResolution());
+  const auto b_in_a = mrpt::fusion::transformOcTree(*pair.b, pair.T_a_b, pair.a->getResolution());
   const Tiles tiles = tilesFor(*pair.a, *b_in_a, nx, ny);
-  mrpt::maps::saveOcTree(*tileMap(*pair.a, tiles), fs::path(folder) / "map_a.ot");
+  mrpt::fusion::saveOcTree(*tileMap(*pair.a, tiles), fs::path(folder) / "map_a.ot");
   // One large map at a time, and two where one becomes the other.
-  mrpt::maps::saveOcTree(
-      *mrpt::maps::transformOcTree(*tileMap(*b_in_a, tiles), pair.T_a_b.inverse(),
-                                   pair.b->getResolution()),
+  mrpt::fusion::saveOcTree(
+      *mrpt::fusion::transformOcTree(*tileMap(*b_in_a, tiles), pair.T_a_b.inverse(),
+                                     pair.b->getResolution()),
       fs::path(folder) / "map_b.ot");
   fs::copy_file(fs::path(pair.folder) / "T_a_b.txt", fs::path(folder) / "T_a_b.txt",
                 fs::copy_options::overwrite_existing);

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "truth.h"
 
-#include <mrpt/maps/octree_build.h>
-#include <mrpt/maps/octree_resampling.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
+#include "fusion_octree/build.h"
+#include "fusion_octree/resampling.h"
+
 namespace mrpt::fusion::benchmark {
 namespace {
 
-using mrpt::maps::childOrSelf;
+using mrpt::fusion::childOrSelf;
 using Node = const octomap::OcTreeNode*;
 
 class LabelVisitor {
@@ -23,8 +23,8 @@ class LabelVisitor {
   LabelVisitor(const octomap::OcTree& known, const octomap::OcTree& world)
       : known_(known), world_(world) {}
 
-  mrpt::maps::OcTreeFill visit(const mrpt::maps::OcTreeCube&, const State& s) const {
-    using mrpt::maps::OcTreeFill;
+  mrpt::fusion::OcTreeFill visit(const mrpt::fusion::OcTreeCube&, const State& s) const {
+    using mrpt::fusion::OcTreeFill;
     if (!s.known) return OcTreeFill::unknown();
     if (known_.nodeHasChildren(s.known) || (s.world && world_.nodeHasChildren(s.world)))
       return OcTreeFill::split();
@@ -32,7 +32,7 @@ class LabelVisitor {
     return OcTreeFill::leaf(occupied ? known_.getClampingThresMaxLog()
                                      : known_.getClampingThresMinLog());
   }
-  State descend(const State& s, unsigned i, const mrpt::maps::OcTreeCube&) const {
+  State descend(const State& s, unsigned i, const mrpt::fusion::OcTreeCube&) const {
     return {childOrSelf(known_, s.known, i), childOrSelf(world_, s.world, i)};
   }
 
@@ -62,7 +62,7 @@ class Comparison {
   }
 
   void add(Node truth, Node map, unsigned depth) {
-    const double volume = std::pow(8.0, mrpt::maps::OcTreeCube::kMaxDepth - depth);
+    const double volume = std::pow(8.0, mrpt::fusion::OcTreeCube::kMaxDepth - depth);
     const bool occupied = truth_.isNodeOccupied(truth);
     const bool found = map && map_.isNodeOccupied(map);
     const double p = map ? std::clamp(map->getOccupancy(), 1e-6, 1 - 1e-6) : 0.5;
@@ -91,8 +91,8 @@ Truth loadTruth(const MapPair& pair) {
   if (!hasTruth(pair)) return truth;
   truth.reference = loadTree(pair.folder + "/reference.ot");
   const auto world =
-      mrpt::maps::transformOcTree(*loadTree(pair.folder + "/world.bt"),
-                                  loadPose(pair.folder + "/T_a_w.txt"), pair.a->getResolution());
+      mrpt::fusion::transformOcTree(*loadTree(pair.folder + "/world.bt"),
+                                    loadPose(pair.folder + "/T_a_w.txt"), pair.a->getResolution());
   truth.building = labelled(*truth.reference, *world);
   return truth;
 }
@@ -101,7 +101,8 @@ std::shared_ptr<const octomap::OcTree> labelled(const octomap::OcTree& known,
                                                 const octomap::OcTree& world) {
   auto labels = std::make_shared<octomap::OcTree>(known.getResolution());
   LabelVisitor visitor(known, world);
-  mrpt::maps::buildOcTree(*labels, LabelVisitor::State{known.getRoot(), world.getRoot()}, visitor);
+  mrpt::fusion::buildOcTree(*labels, LabelVisitor::State{known.getRoot(), world.getRoot()},
+                            visitor);
   return labels;
 }
 

@@ -4,7 +4,6 @@
 #include <mrpt/maps/CProbOctoMap.h>
 #include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/maps/CSimplePointsMap.h>
-#include <mrpt/maps/octree_io.h>
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 #include <mrpt/obs/CRawlog.h>
@@ -14,6 +13,7 @@
 #include <set>
 #include <tuple>
 
+#include "fusion_octree/files.h"
 #include "mrpt_programs.h"
 
 using namespace mrpt::maps;

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "../run_program.h"
+#include "support/run_program.h"
 
 /** MRPT's own programs, with the library as it is installed in them. */
 class MrptPrograms : public ProgramTest {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 #include <mrpt/maps/CColouredOctoMap.h>
-#include <mrpt/maps/octree_io.h>
 #include <mrpt/slam/CProbabilisticMapMatching.h>
 
 #include <array>
 
-#include "../mrpt_fusion_core/test_maps.h"
+#include "fusion_octree/files.h"
+#include "support/test_maps.h"
 
 namespace mrpt::fusion::test {
 namespace {
@@ -43,8 +43,8 @@ TEST(Colours, OfTwoMapsSurviveTheirFusion) {
   const CProbOctoMap fused = pmm.merge(*coloured_a, *coloured_b, pose);
   const auto result = fused.toColouredOctoMap({{*coloured_a, CPose3D()}, {*coloured_b, pose}});
 
-  EXPECT_TRUE(mrpt::maps::serializeNodes(fused.octree()) ==
-              mrpt::maps::serializeNodes(CProbOctoMap(*result).octree()));
+  EXPECT_TRUE(mrpt::fusion::serializeNodes(fused.octree()) ==
+              mrpt::fusion::serializeNodes(CProbOctoMap(*result).octree()));
   size_t brick = 0, paint = 0, mixed = 0;
   for (const auto& p : extractOccupiedVoxels(fused.octree()).centre) {
     const Colour c = colourAt(*result, p);

@@ -12,7 +12,7 @@
 #include <limits>
 #include <sstream>
 
-#include "../mrpt_fusion_core/apartment_pair.h"
+#include "support/apartment_pair.h"
 
 namespace mrpt::fusion::test {
 namespace {

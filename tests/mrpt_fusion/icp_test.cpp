@@ -5,7 +5,7 @@
 #include <mrpt/poses/CPose3DPDF.h>
 #include <mrpt/slam/CICP.h>
 
-#include "../mrpt_fusion_core/test_maps.h"
+#include "support/test_maps.h"
 
 namespace mrpt::fusion::test {
 namespace {

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <mrpt/fusion/map_fusion.h>
 #include <mrpt/maps/CEdgeVoxelMap.h>
 #include <mrpt/maps/CSimplePointsMap.h>
-#include <mrpt/slam/map_fusion.h>
 
-#include "../mrpt_fusion_core/apartment_pair.h"
+#include "support/apartment_pair.h"
 
 namespace mrpt::fusion::test {
 namespace {
 
+using mrpt::fusion::FusionResult;
 using mrpt::maps::CEdgeVoxelMap;
 using mrpt::maps::CProbOctoMap;
 using mrpt::obs::CObservationLocalMap;
 using mrpt::slam::CProbabilisticMapMatching;
-using mrpt::slam::FusionResult;
 
 constexpr double kVoxel = 0.2;
 
@@ -32,8 +32,8 @@ struct Mission {
 
   /** The part of the world from so many cells of 0.1 m in x on, to 99, in a frame of its own. */
   CObservationLocalMap::Ptr c(int from_x) const {
-    return sent(
-        "c", *mrpt::maps::transformOcTree(*apartment({from_x, 0, 0}, {99, 69, 25}), T_c_w, kVoxel));
+    return sent("c", *mrpt::fusion::transformOcTree(*apartment({from_x, 0, 0}, {99, 69, 25}), T_c_w,
+                                                    kVoxel));
   }
 };
 
@@ -42,7 +42,7 @@ const Mission& mission() {
   return m;
 }
 
-double distance(const mrpt::slam::FusionMember& member, const Eigen::Isometry3d& truth) {
+double distance(const mrpt::fusion::FusionMember& member, const Eigen::Isometry3d& truth) {
   return (toEigen(member.pose.mean).translation() - truth.translation()).norm();
 }
 

@@ -4,7 +4,6 @@
 #include <mrpt/maps/CMultiMetricMap.h>
 #include <mrpt/maps/COctoMap.h>
 #include <mrpt/maps/CSimplePointsMap.h>
-#include <mrpt/maps/octree_io.h>
 #include <mrpt/poses/CPosePDFGaussian.h>
 #include <mrpt/slam/CProbabilisticMapMatching.h>
 
@@ -16,7 +15,8 @@
 #include <tuple>
 #include <vector>
 
-#include "../mrpt_fusion_core/apartment_pair.h"
+#include "fusion_octree/files.h"
+#include "support/apartment_pair.h"
 
 namespace mrpt::fusion::test {
 namespace {
@@ -318,11 +318,11 @@ TEST_F(MapMatching, MapsOfAnyKindGiveTheSameAnswer) {
 }
 
 TEST_F(MapMatching, LeavesItsMapsAsTheyWere) {
-  const std::string a_before = mrpt::maps::serializeNodes(a.octree());
-  const std::string b_before = mrpt::maps::serializeNodes(b.octree());
+  const std::string a_before = mrpt::fusion::serializeNodes(a.octree());
+  const std::string b_before = mrpt::fusion::serializeNodes(b.octree());
   pmm.Align3D(&a, &b, guessOffBy(0.3, 0.2, -4));
-  EXPECT_TRUE(mrpt::maps::serializeNodes(a.octree()) == a_before);
-  EXPECT_TRUE(mrpt::maps::serializeNodes(b.octree()) == b_before);
+  EXPECT_TRUE(mrpt::fusion::serializeNodes(a.octree()) == a_before);
+  EXPECT_TRUE(mrpt::fusion::serializeNodes(b.octree()) == b_before);
 }
 
 TEST_F(MapMatching, AlignPdfIsTheProjectionOnThePlane) {
@@ -540,8 +540,8 @@ TEST_F(MapMatching, MergeIsThatOfTheCoreByItsPolicy) {
     pmm.options.merge.policy = policy;
     const CProbOctoMap fused = pmm.merge(a, b, pose);
     const auto expected = mergeMaps(a.octree(), b.octree(), toEigen(pose), pmm.options.merge);
-    EXPECT_TRUE(mrpt::maps::serializeNodes(fused.octree()) ==
-                mrpt::maps::serializeNodes(*expected));
+    EXPECT_TRUE(mrpt::fusion::serializeNodes(fused.octree()) ==
+                mrpt::fusion::serializeNodes(*expected));
     EXPECT_GT(fused.octree().getNumLeafNodes(), a.octree().getNumLeafNodes());
   }
 }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/fusion/map_files.h>
 #include <mrpt/maps/CSimplePointsMap.h>
-#include <mrpt/maps/map_files.h>
 #include <mrpt/obs/CObservationLocalMap.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/rtti/CObject.h>
 
-#include "test_tools.h"
+#include "support/mrpt_tools.h"
 using namespace map_tests;
 using mrpt::maps::CProbOctoMap;
 using mrpt::obs::CObservationLocalMap;
@@ -40,7 +40,7 @@ TEST(LocalMapObservation, KeepsAllOfIt) {
   o.pose.cov.setDiagonal(6, 0.25);
   o.pose.cov(0, 1) = o.pose.cov(1, 0) = 0.125;
   auto map = std::make_shared<CProbOctoMap>(awkwardTree(1 / 3.));
-  mrpt::maps::OcTreeAccess::setSensorModel(
+  mrpt::fusion::OcTreeAccess::setSensorModel(
       map->octree(), {-1.2345678F, 4.5678912F, 0.91234567F, -0.3456789F, 0.1234567F});
   map->insertionOptions.maxrange = 7.125;
   map->likelihoodOptions.decimation = 5;
@@ -148,10 +148,10 @@ class Mission : public ::testing::Test {
 
 TEST_F(Mission, HasTheLatestMapOfEachRobot) {
   for (const std::string name : {"mission.rawlog", "mission.rawlog.gz"}) {
-    mrpt::maps::saveLocalMaps({sent("a", 1, sceneMap(1)), sent("b", 4, sceneMap(4)),
-                               sent("a", 2, sceneMap(2)), sent("b", 3, sceneMap(3))},
-                              file(name));
-    const auto maps = mrpt::maps::loadLocalMaps(file(name));
+    mrpt::fusion::saveLocalMaps({sent("a", 1, sceneMap(1)), sent("b", 4, sceneMap(4)),
+                                 sent("a", 2, sceneMap(2)), sent("b", 3, sceneMap(3))},
+                                file(name));
+    const auto maps = mrpt::fusion::loadLocalMaps(file(name));
     ASSERT_EQ(maps.size(), 2U) << name;
     EXPECT_EQ(maps[0]->sensorLabel, "a");
     EXPECT_EQ(maps[1]->sensorLabel, "b");
@@ -161,42 +161,42 @@ TEST_F(Mission, HasTheLatestMapOfEachRobot) {
 }
 
 TEST_F(Mission, OfOneRobotIsAMap) {
-  mrpt::maps::saveLocalMaps({sent("a", 1, sceneMap(1)), sent("a", 2, sceneMap(2))}, file("a"));
-  EXPECT_TRUE(sameTree(mrpt::maps::loadMap(file("a"))->octree(), *sceneTree(0.1, 2)));
+  mrpt::fusion::saveLocalMaps({sent("a", 1, sceneMap(1)), sent("a", 2, sceneMap(2))}, file("a"));
+  EXPECT_TRUE(sameTree(mrpt::fusion::loadMap(file("a"))->octree(), *sceneTree(0.1, 2)));
 }
 
 TEST_F(Mission, OfSeveralRobotsIsNotOneMap) {
-  mrpt::maps::saveLocalMaps({sent("a", 1, sceneMap(1)), sent("b", 1, sceneMap(2))}, file("ab"));
-  EXPECT_EQ(errorOf([&] { mrpt::maps::loadMap(file("ab")); }),
+  mrpt::fusion::saveLocalMaps({sent("a", 1, sceneMap(1)), sent("b", 1, sceneMap(2))}, file("ab"));
+  EXPECT_EQ(errorOf([&] { mrpt::fusion::loadMap(file("ab")); }),
             file("ab") + ": holds the maps of 2 robots, not one map");
 }
 
 TEST_F(Mission, PrefersAWholeMapToAPartThatCameLater) {
   auto part = std::make_shared<mrpt::maps::CSimplePointsMap>();
-  mrpt::maps::saveLocalMaps({sent("a", 1, part), sent("a", 2, sceneMap(2)), sent("a", 3, part)},
-                            file("a"));
-  const auto maps = mrpt::maps::loadLocalMaps(file("a"));
+  mrpt::fusion::saveLocalMaps({sent("a", 1, part), sent("a", 2, sceneMap(2)), sent("a", 3, part)},
+                              file("a"));
+  const auto maps = mrpt::fusion::loadLocalMaps(file("a"));
   ASSERT_EQ(maps.size(), 1U);
   EXPECT_EQ(maps[0]->sequence, 2U);
 }
 
 TEST_F(Mission, OtherFilesHoldNone) {
-  mrpt::maps::saveMap(*sceneMap(1), file("map.ot"));
-  mrpt::maps::saveMap(*sceneMap(1), file("map.gz"));
+  mrpt::fusion::saveMap(*sceneMap(1), file("map.ot"));
+  mrpt::fusion::saveMap(*sceneMap(1), file("map.gz"));
   mrpt::io::CMemoryStream memory;
   mrpt::serialization::archiveFrom(memory) << mrpt::obs::CObservationOdometry();
   writeRaw(file("odometry.rawlog"), {static_cast<const char*>(memory.getRawBufferData()),
                                      static_cast<size_t>(memory.getTotalBytesCount())});
   for (const char* name : {"map.ot", "map.gz", "odometry.rawlog"})
-    EXPECT_TRUE(mrpt::maps::loadLocalMaps(file(name)).empty()) << name;
-  EXPECT_EQ(errorOf([&] { mrpt::maps::loadLocalMaps(file("none")); }).find(file("none") + ": "),
+    EXPECT_TRUE(mrpt::fusion::loadLocalMaps(file(name)).empty()) << name;
+  EXPECT_EQ(errorOf([&] { mrpt::fusion::loadLocalMaps(file("none")); }).find(file("none") + ": "),
             0U);
 }
 
 TEST_F(Mission, TruncatedIsAnErrorWithItsPlace) {
-  mrpt::maps::saveLocalMaps({sent("a", 1, sceneMap(1)), sent("b", 1, sceneMap(2))}, file("ab"));
+  mrpt::fusion::saveLocalMaps({sent("a", 1, sceneMap(1)), sent("b", 1, sceneMap(2))}, file("ab"));
   const std::string bytes = readRaw(file("ab"));
   writeRaw(file("cut"), std::string_view(bytes).substr(0, bytes.size() - 100));
-  EXPECT_NE(errorOf([&] { mrpt::maps::loadLocalMaps(file("cut")); }).find("after 1 objects"),
+  EXPECT_NE(errorOf([&] { mrpt::fusion::loadLocalMaps(file("cut")); }).find("after 1 objects"),
             std::string::npos);
 }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/config/CConfigFileMemory.h>
 #include <mrpt/core/Clock.h>
+#include <mrpt/fusion/map_files.h>
 #include <mrpt/io/CFileGZOutputStream.h>
 #include <mrpt/maps/CColouredOctoMap.h>
 #include <mrpt/maps/CMultiMetricMap.h>
 #include <mrpt/maps/COccupancyGridMap3D.h>
 #include <mrpt/maps/COctoMap.h>
 #include <mrpt/maps/CSimpleMap.h>
-#include <mrpt/maps/map_files.h>
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement2D.h>
 #include <mrpt/obs/CActionRobotMovement3D.h>
@@ -21,8 +21,8 @@
 
 #include <cstdio>
 
-#include "observations.h"
-#include "test_tools.h"
+#include "support/mrpt_tools.h"
+#include "support/observations.h"
 
 using namespace map_tests;
 using namespace mrpt::maps;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/maps/CColouredOctoMap.h>
 #include <mrpt/maps/COctoMap.h>
-#include <mrpt/maps/octree_resampling.h>
 
-#include "observations.h"
-#include "test_tools.h"
+#include "fusion_octree/resampling.h"
+#include "support/mrpt_tools.h"
+#include "support/observations.h"
 
 using namespace map_tests;
 using mrpt::maps::CColouredOctoMap;
@@ -421,7 +421,7 @@ TEST(ColouredOctoMap, AMapThatIsTurnedAndResampledKeepsAColourAtEachVoxel) {
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.linear() = pose.getRotationMatrix().asEigen();
     T.translation() = Eigen::Vector3d(pose.x(), pose.y(), pose.z());
-    const CProbOctoMap moved(mrpt::maps::transformOcTree(map.octree(), T, resolution));
+    const CProbOctoMap moved(mrpt::fusion::transformOcTree(map.octree(), T, resolution));
     const auto coloured = moved.toColouredOctoMap({{*source, pose}});
     size_t occupied = 0;
     for (const auto& [v, log_odds] : voxelsOf(moved.octree())) {

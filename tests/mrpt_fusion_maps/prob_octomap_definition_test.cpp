@@ -5,8 +5,8 @@
 
 #include <sstream>
 
-#include "observations.h"
-#include "test_tools.h"
+#include "support/mrpt_tools.h"
+#include "support/observations.h"
 
 using namespace map_tests;
 using mrpt::config::CConfigFileMemory;

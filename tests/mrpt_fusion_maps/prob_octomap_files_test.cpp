@@ -3,8 +3,8 @@
 #include <mrpt/opengl/COpenGLScene.h>
 #include <mrpt/opengl/CSetOfObjects.h>
 
-#include "observations.h"
-#include "test_tools.h"
+#include "support/mrpt_tools.h"
+#include "support/observations.h"
 
 using namespace map_tests;
 using mrpt::maps::COctoMap;
@@ -168,8 +168,8 @@ TEST(ProbOctoMapFiles, TheExtensionSaysWhetherProbabilitiesAreSaved) {
   const CProbOctoMap map(sceneTree(0.1, 6));
   map.saveToOcTreeFile(dir.path("map.ot"));
   map.saveToOcTreeFile(dir.path("map.bt"));
-  EXPECT_EQ(mrpt::maps::toOtFile(map.octree()), readRaw(dir.path("map.ot")));
-  EXPECT_EQ(mrpt::maps::toBtFile(map.octree()), readRaw(dir.path("map.bt")));
+  EXPECT_EQ(mrpt::fusion::toOtFile(map.octree()), readRaw(dir.path("map.ot")));
+  EXPECT_EQ(mrpt::fusion::toBtFile(map.octree()), readRaw(dir.path("map.bt")));
 }
 
 TEST(ProbOctoMapFiles, LoadingGoesByContentAndTakesTheSensorModel) {

@@ -4,8 +4,8 @@
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/opengl/CSetOfObjects.h>
 
-#include "observations.h"
-#include "test_tools.h"
+#include "support/mrpt_tools.h"
+#include "support/observations.h"
 
 using namespace map_tests;
 using mrpt::maps::CMultiMetricMap;

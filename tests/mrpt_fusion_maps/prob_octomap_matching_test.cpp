@@ -7,8 +7,8 @@
 
 #include <thread>
 
-#include "observations.h"
-#include "test_tools.h"
+#include "support/mrpt_tools.h"
+#include "support/observations.h"
 
 using namespace map_tests;
 using mrpt::maps::CMultiMetricMap;

@@ -6,8 +6,8 @@
 #include <mrpt/obs/CObservationVelodyneScan.h>
 #include <mrpt/obs/CRawlog.h>
 
-#include "observations.h"
-#include "test_tools.h"
+#include "support/mrpt_tools.h"
+#include "support/observations.h"
 
 using namespace map_tests;
 using namespace mrpt::obs;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <mrpt/rtti/CObject.h>
 
-#include "test_tools.h"
+#include "support/mrpt_tools.h"
 using namespace map_tests;
 using mrpt::maps::CProbOctoMap;
 
@@ -10,7 +10,7 @@ namespace {
 /** A map with no field left at its default. */
 CProbOctoMap unusualMap(std::unique_ptr<octomap::OcTree> tree) {
   // Log-odds that no probability gives back exactly: they must travel as floats.
-  mrpt::maps::OcTreeAccess::setSensorModel(
+  mrpt::fusion::OcTreeAccess::setSensorModel(
       *tree, {-1.2345678F, 4.5678912F, 0.91234567F, -0.3456789F, 0.1234567F});
   CProbOctoMap map(std::move(tree));
   auto& i = map.insertionOptions;
@@ -59,7 +59,7 @@ struct MapBytes {
 
 MapBytes bytesOf(const CProbOctoMap& map) {
   MapBytes b{serialized(map), 0};
-  const std::string nodes = mrpt::maps::serializeNodes(map.octree());
+  const std::string nodes = mrpt::fusion::serializeNodes(map.octree());
   b.length_at = b.bytes.find(nodes) - sizeof(uint64_t);
   return b;
 }

@@ -5,9 +5,9 @@
 #include <set>
 #include <tuple>
 
-#include "../../mrpt_fusion_core/test_maps.h"
 #include "../map_pair.h"
 #include "../truth.h"
+#include "support/test_maps.h"
 
 namespace mrpt::fusion::benchmark {
 namespace {

@@ -2,14 +2,14 @@
 #include "../tiling.h"
 
 #include <gtest/gtest.h>
-#include <mrpt/maps/octree_resampling.h>
 #include <stdlib.h>
 
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
 
-#include "../../mrpt_fusion_core/test_maps.h"
+#include "fusion_octree/resampling.h"
+#include "support/test_maps.h"
 
 namespace mrpt::fusion::benchmark {
 namespace {
@@ -93,7 +93,7 @@ TEST(BenchmarkTiling, MapBIsCopiedInTheFrameOfMapA) {
   writeTiledPair(pair, 2, 1, out);
   const MapPair tiled = loadMapPair(out);
   EXPECT_TRUE(tiled.T_a_b.isApprox(pair.T_a_b, 1e-12));
-  const auto b_in_a = mrpt::maps::transformOcTree(*pair.b, pair.T_a_b, 0.1);
+  const auto b_in_a = mrpt::fusion::transformOcTree(*pair.b, pair.T_a_b, 0.1);
   const int period = static_cast<int>(tilesFor(*pair.a, *b_in_a, 2, 1).period[0]);
   expectCopyAt(*pair.a, *tiled.a, {period, 0, 0});
   expectCopyAt(*pair.b, *tiled.b, {0, 0, 0});

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <mrpt/config/CLoadableOptions.h>
-#include <mrpt/fusion_compat.h>
+#include <mrpt/fusion/compat.h>
 #include <mrpt/maps/CMetricMap.h>
 #include <mrpt/maps/COctoMap.h>
 #include <mrpt/poses/CPose3D.h>
@@ -237,9 +237,9 @@ class CProbOctoMap : public CMetricMap {
   bool isEmpty() const override { return m_octree->size() == 0; }
   std::string asString() const override;  //!< One line: resolution and size
   /** Adds the map's voxels, see getAsOctoMapVoxels(), if genericMapParams say so. */
-  void getVisualizationInto(viz::CSetOfObjects& o) const override;
+  void getVisualizationInto(mrpt::fusion::viz::CSetOfObjects& o) const override;
   /** Fills an MRPT voxel object as COctoMap does: same voxel sets, colours and renderingOptions. */
-  void getAsOctoMapVoxels(viz::COctoMapVoxels& gl_obj) const;
+  void getAsOctoMapVoxels(mrpt::fusion::viz::COctoMapVoxels& gl_obj) const;
 
  protected:
   /** @name What CMetricMap asks of a map

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fusion_core/map/voxel_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+
+namespace mrpt::fusion {
+
+namespace {
+constexpr double kKeys = 65536;  // along an axis
+constexpr double kRounding = 1e-2;
+
+/** How much nearer than its cell a point can be, cells. \param[in] off_centre Of its cell's middle.
+ */
+double slackOf(double off_centre) { return std::sqrt(0.75) + off_centre + kRounding; }
+}  // namespace
+
+VoxelSearch::VoxelSearch(const std::vector<Eigen::Vector3f>& points, double cell)
+    : points_(points) {
+  build(cell);
+}
+
+VoxelSearch::VoxelSearch(const std::vector<Eigen::Vector3f>& voxels, double resolution,
+                         const VoxelBlocks& blocks)
+    : points_(voxels),
+      cell_(static_cast<float>(resolution)),
+      slack_(slackOf(kRounding)),
+      blocks_(&blocks) {
+  low_.setConstant(static_cast<float>(-0.5 * kKeys * resolution));
+}
+
+void VoxelSearch::build(double cell) {
+  const std::vector<Eigen::Vector3f>& points = points_;
+  rings_.clear();
+  first_.clear();
+  point_.clear();
+  if (points.empty()) return;
+  Eigen::Vector3f high = points[0];
+  low_ = points[0];
+  for (const auto& p : points) {
+    low_ = low_.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const double extent = (high - low_).cast<double>().maxCoeff();
+  if (!(cell > 0)) cell = std::max(extent / std::cbrt(static_cast<double>(points.size())), 1e-6);
+  cell = std::max(cell, extent / (kKeys - 2));
+  cell_ = static_cast<float>(cell);
+  const auto origin = static_cast<float>(0.5 * kKeys * cell);
+  if (low_.minCoeff() >= -origin && high.maxCoeff() < origin)
+    low_.setConstant(-origin);  // an octree's voxels keep their keys, and so their order
+  else
+    low_ -= Eigen::Vector3f::Constant(0.5F * cell_);
+
+  std::vector<octomap::OcTreeKey> keys(points.size());
+  float off_centre = 0;
+  for (size_t i = 0; i < points.size(); i++) {
+    const Eigen::Vector3f place = (points[i] - low_) / cell_;
+    for (unsigned axis = 0; axis < 3; axis++)
+      keys[i][axis] = static_cast<octomap::key_type>(floorOf(place[axis]));
+    const Eigen::Vector3f centre(keys[i][0] + 0.5F, keys[i][1] + 0.5F, keys[i][2] + 0.5F);
+    off_centre = std::max(off_centre, (place - centre).squaredNorm());
+  }
+  slack_ = slackOf(std::sqrt(off_centre));
+
+  std::vector<uint64_t> order(points.size());
+  std::transform(keys.begin(), keys.end(), order.begin(), octreeOrder);
+  // The first two that are not one after the other, in different cells.
+  const auto together =
+      std::adjacent_find(order.begin(), order.end(), std::greater_equal<uint64_t>());
+  if (together == order.end()) {
+    own_ = VoxelBlocks(keys);
+    blocks_ = &own_;
+    return;
+  }
+  point_.resize(points.size());
+  std::iota(point_.begin(), point_.end(), 0);
+  std::stable_sort(point_.begin(), point_.end(),
+                   [&](uint32_t i, uint32_t j) { return order[i] < order[j]; });
+  std::vector<octomap::OcTreeKey> cells;
+  for (uint32_t k = 0; k < point_.size(); k++)
+    if (k == 0 || order[point_[k]] != order[point_[k - 1]]) {
+      cells.push_back(keys[point_[k]]);
+      first_.push_back(k);
+    }
+  first_.push_back(static_cast<uint32_t>(point_.size()));
+  own_ = VoxelBlocks(cells);
+  blocks_ = &own_;
+}
+
+void VoxelSearch::prepare(double gate) {
+  if (gate <= gate_) return;
+  gate_ = gate;
+  constexpr double kBeside = 1.8;  // the 26 cells around one: where most answers are
+  // With wide gates a fine grid is mostly empty cells to look into.
+  constexpr double kMostCells = 12;
+  if (gate > kMostCells * cell_) build(gate / kMostCells);
+  constexpr double kGrowth = 1.75;  // the second is for two cells, the least gate of voxel pairs
+  const double radius = gate / cell_ + kBeyond + slack_;
+  if (!rings_.empty() && prepared_ >= radius) return;
+  while (rings_.empty() || prepared_ < radius) {
+    const double next = rings_.empty() ? kBeside : std::min(kGrowth * prepared_, radius);
+    const double sure = std::max(0.0, next - slack_) * cell_;
+    rings_.push_back(
+        {VoxelBlocks::Ball(next, rings_.empty() ? -1 : kBeside), static_cast<float>(sure * sure)});
+    prepared_ = next;
+  }
+  surroundings_ = VoxelBlocks::Surroundings(*blocks_, prepared_);
+}
+
+}  // namespace mrpt::fusion

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/fusion/evaluation.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "fusion_base/parallel.h"
+
+namespace mrpt::fusion {
+namespace {
+
+/** Standard deviations in words. */
+std::string slack(const PoseDeviation& d) {
+  constexpr double kUnbounded = 100;  // m, rad
+  char text[96];
+  if (std::max(d.translation, d.rotation) > kUnbounded)
+    std::snprintf(text, sizeof(text), "it %s freely",
+                  d.translation > kUnbounded ? "slides" : "turns");
+  else
+    std::snprintf(text, sizeof(text), "standard deviations %.2g m, %.2g deg", d.translation,
+                  d.rotation * 180 / M_PI);
+  return text;
+}
+
+std::string percent(double ratio) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.1f %%", 100 * ratio);
+  return text;
+}
+
+/** How many voxels of a larger size a map's occupied voxels would be. O(n log n). */
+size_t countInVoxelsOf(double size, const OccupiedVoxels& voxels) {
+  std::vector<std::array<int, 3>> taken(voxels.size());
+  std::transform(voxels.centre.begin(), voxels.centre.end(), taken.begin(), [&](const auto& p) {
+    const auto at = [&](unsigned axis) { return static_cast<int>(std::floor(p[axis] / size)); };
+    return std::array<int, 3>{at(0), at(1), at(2)};
+  });
+  std::sort(taken.begin(), taken.end());
+  return static_cast<size_t>(std::unique(taken.begin(), taken.end()) - taken.begin());
+}
+
+/** The share of a map's voxels that is left when they are counted in voxels of a size. */
+double coarseningTo(double size, const OccupiedVoxels& voxels) {
+  if (size <= voxels.resolution || voxels.size() == 0) return 1;
+  return static_cast<double>(countInVoxelsOf(size, voxels)) / static_cast<double>(voxels.size());
+}
+
+}  // namespace
+
+double mahalanobisDistance(double squared_distance, double p_model, double p_scene) {
+  return std::sqrt(squared_distance / (1 / p_model + 1 / p_scene));
+}
+
+double overlapOf(double matches, double model_voxels, double scene_voxels) {
+  if (model_voxels == 0 || scene_voxels == 0) return 0;
+  return 0.5 * (std::min(matches / scene_voxels, 1.0) + std::min(matches / model_voxels, 1.0));
+}
+
+double acceptanceThreshold(double overlap) { return std::clamp(0.9 - overlap / 2, 0.6, 0.8); }
+
+double probabilityOfBeingRight(double overlap, double conflict_ratio, double runner_up,
+                               double inlier_ratio) {
+  constexpr double kLeastOverlap = 1e-3;
+  const double log_odds = -15.57 + 1.845 * std::log(std::max(overlap, kLeastOverlap)) -
+                          29.31 * conflict_ratio - 8.085 * runner_up + 22.91 * inlier_ratio;
+  return 1 / (1 + std::exp(-log_odds));
+}
+
+double probabilityOfStaying(const PoseDeviation& deviation) {
+  const auto within = [](double limit, double sigma) {
+    return sigma > 0 ? std::erf(limit / (std::sqrt(2.0) * sigma)) : 1;
+  };
+  return within(0.6, deviation.translation) * within(6 * M_PI / 180, deviation.rotation);
+}
+
+Finding findingAt(const MapVoxels& map, const Eigen::Vector3d& p) {
+  static const VoxelBlocks::Ball beside(1.8);  // the 26 voxels around one
+  octomap::OcTreeKey key;
+  if (!map.map->coordToKeyChecked(p.x(), p.y(), p.z(), key)) return Finding::Unknown;
+  if (map.occupied.anyAround({key[0], key[1], key[2]}, beside)) return Finding::Agrees;
+  return map.free.has(key) ? Finding::Conflicts : Finding::Unknown;
+}
+
+FreeSpaceCheck checkFreeSpace(const MapVoxels& model, const OccupiedVoxels& scene,
+                              const Eigen::Isometry3d& T_model_scene, size_t stride) {
+  std::vector<Finding> findings((scene.size() + stride - 1) / stride);
+  forEachIndex(findings.size(), kGrain, [&](size_t i) {
+    findings[i] = findingAt(model, T_model_scene * scene.centre[stride * i].cast<double>());
+  });
+  const auto count = [&](Finding f) {
+    return static_cast<size_t>(std::count(findings.begin(), findings.end(), f));
+  };
+  return {count(Finding::Agrees), count(Finding::Conflicts)};
+}
+
+Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pairs,
+                         const Eigen::Isometry3d& T_a_b, const EvaluationParams& params,
+                         double runner_up, const PoseDeviation& deviation, size_t enough) {
+  Evaluation e;
+  const size_t stride_a = strideFor(a.voxels.size(), enough),
+               stride_b = strideFor(b.voxels.size(), enough);
+  e.asked = (b.voxels.size() + stride_b - 1) / stride_b;
+  e.pairs = pairs.size();
+  // Both in voxels of the larger size: a wall counts no more for being of many small ones.
+  const double size = std::max(a.voxels.resolution, b.voxels.resolution);
+  const double counted_a = coarseningTo(size, a.voxels),
+               counted_b = coarseningTo(size, b.voxels) * static_cast<double>(stride_b);
+  e.overlap = overlapOf(counted_b * static_cast<double>(pairs.size()),
+                        counted_a * static_cast<double>(a.voxels.size()),
+                        counted_b * static_cast<double>(e.asked));
+  e.threshold = acceptanceThreshold(e.overlap);
+  double sum = 0;
+  for (const Pair& p : pairs) {
+    const double d = mahalanobisDistance(p.squared_distance, a.voxels.probability[p.model],
+                                         b.voxels.probability[p.scene]);
+    sum += d;
+    e.log_likelihood -= d * d;
+    if (d < params.inlier_mahalanobis) e.inliers++;
+  }
+  if (!pairs.empty()) {
+    e.mean_mahalanobis = sum / static_cast<double>(pairs.size());
+    e.inlier_ratio = static_cast<double>(e.inliers) / static_cast<double>(pairs.size());
+  }
+  // Both by the same stride, so that neither map counts for more.
+  const size_t stride = std::max(stride_a, stride_b);
+  const FreeSpaceCheck b_in_a = checkFreeSpace(a, b.voxels, T_a_b, stride);
+  const FreeSpaceCheck a_in_b = checkFreeSpace(b, a.voxels, T_a_b.inverse(), stride);
+  e.free_space = {b_in_a.agreeing + a_in_b.agreeing, b_in_a.conflicting + a_in_b.conflicting};
+
+  e.accepted = true;
+  const auto judge = [&](bool good, const std::string& yes, const std::string& no) {
+    e.accepted = e.accepted && good;
+    e.reasons.push_back(good ? yes : no);
+  };
+  judge(e.overlap >= params.min_overlap, "overlap " + percent(e.overlap) + " is enough to judge by",
+        "overlap " + percent(e.overlap) + " is below " + percent(params.min_overlap));
+  judge(
+      !pairs.empty() && e.inlier_ratio > e.threshold,
+      "inlier ratio " + percent(e.inlier_ratio) + " is above its threshold " + percent(e.threshold),
+      "inlier ratio " + percent(e.inlier_ratio) + " is not above its threshold " +
+          percent(e.threshold));
+  const double conflict = e.free_space.conflictRatio();
+  judge(conflict <= params.max_free_conflict,
+        percent(conflict) + " of the obstacles lie in the other map's free space, at most " +
+            percent(params.max_free_conflict) + " may",
+        percent(conflict) + " of the obstacles lie in the other map's free space, more than " +
+            percent(params.max_free_conflict));
+  e.runner_up = runner_up;
+  const bool has_rival = runner_up > params.max_runner_up;
+  const bool is_well = e.accepted;
+  if (runner_up > 0) {
+    const std::string agrees =
+        std::string(runner_up > 1 ? "another pose" : "the second best pose") + " agrees " +
+        percent(runner_up) + " as well, ";
+    judge(!has_rival, agrees + "at most " + percent(params.max_runner_up) + " may",
+          agrees + "more than " + percent(params.max_runner_up));
+  }
+  constexpr double kHeld = 0.95;
+  e.deviation = deviation;
+  const double stays = probabilityOfStaying(deviation);
+  const auto probabilityWith = [&](double rival) {
+    return stays * probabilityOfBeingRight(e.overlap, conflict, rival, e.inlier_ratio);
+  };
+  e.probability = probabilityWith(runner_up);
+  e.is_ambiguous = is_well && has_rival && probabilityWith(0) >= params.min_probability;
+  if (stays < kHeld)
+    e.reasons.push_back("what the maps share does not hold map B in place: " + slack(deviation));
+  if (params.min_probability > 0)
+    judge(e.probability >= params.min_probability,
+          "the pose is right with a probability of " + percent(e.probability),
+          "the pose is right with a probability of " + percent(e.probability) + ", below " +
+              percent(params.min_probability));
+  return e;
+}
+
+}  // namespace mrpt::fusion

@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fusion_octree/resampling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "fusion_octree/build.h"
+#include "fusion_octree/walk.h"
+
+namespace mrpt::fusion {
+namespace {
+
+using octomap::OcTree;
+using octomap::OcTreeKey;
+using octomap::OcTreeNode;
+
+/** Side of the whole key space, and the key of the frame's origin. */
+constexpr double kGridSide = 65536.0;
+constexpr double kGridOrigin = 32768.0;
+
+/** A piece of the source's known space: a node and its cube. */
+struct Piece {
+  const OcTreeNode* node;
+  OcTreeCube cube;
+};
+
+/** Axis-aligned box in the source grid's units (voxels, from its lowest corner). */
+struct Box {
+  Eigen::Vector3d low, high;
+
+  double volumeIn(const OcTreeCube& c) const {
+    double v = 1;
+    for (unsigned axis = 0; axis < 3; axis++) {
+      const double k = c.key[axis];
+      v *= std::max(0.0, std::min(high[axis], k + c.side()) - std::max(low[axis], k));
+    }
+    return v;
+  }
+};
+
+/** Answers what a cube of the new grid holds, from the pieces of the source that it overlaps. */
+class ResamplingVisitor {
+ public:
+  /** The pieces that a cube overlaps, a few of about its size: a range at the top of one stack that
+   * all states share (states live and die in the order of the recursion). */
+  class State {
+   public:
+    explicit State(std::vector<Piece>& stack)
+        : stack_(&stack), begin_(stack.size()), end_(begin_) {}
+    State(State&& o) noexcept
+        : stack_(o.stack_), begin_(o.begin_), end_(o.end_), owns_(std::exchange(o.owns_, false)) {}
+    ~State() {
+      if (owns_) stack_->resize(begin_);
+    }
+
+    /** The same pieces, for as long as this state lives. */
+    State view() const {
+      State s(*stack_);
+      s.begin_ = begin_;
+      s.end_ = end_;
+      s.owns_ = false;
+      return s;
+    }
+
+    void add(const Piece& p) {
+      stack_->push_back(p);
+      end_++;
+    }
+    size_t size() const { return end_ - begin_; }
+    const Piece& operator[](size_t i) const { return (*stack_)[begin_ + i]; }
+
+   private:
+    std::vector<Piece>* stack_;
+    size_t begin_, end_;
+    bool owns_ = true;
+  };
+
+  ResamplingVisitor(const OcTree& source, const Eigen::Isometry3d& T_src_dst, double resolution)
+      : source_(source) {
+    // From voxel units of the new grid to voxel units of the source grid.
+    scale_ = resolution / source.getResolution();
+    rotation_ = T_src_dst.linear();
+    translation_ = T_src_dst.translation() / source.getResolution();
+    samples_per_axis_ = std::max(1, static_cast<int>(std::ceil(scale_ - 1e-9)));
+    half_extent_per_side_ = 0.5 * scale_ * rotation_.cwiseAbs().rowwise().sum();
+  }
+
+  State rootState() {
+    State s(stack_);
+    if (const auto* root = source_.getRoot()) s.add({root, OcTreeCube{}});
+    return s;
+  }
+
+  State descend(const State& parent, unsigned, const OcTreeCube& cube) {
+    if (cube.depth > kSampledDepth) return parent.view();
+    State s(stack_);
+    const Box box = boxInSource(cube);
+    for (size_t i = 0; i < parent.size(); i++) {
+      const Piece piece = parent[i];  // a copy: adding may move the stack
+      addPieces(piece, box, cube.side() * scale_, s);
+    }
+    return s;
+  }
+
+  OcTreeFill visit(const OcTreeCube& cube, const State& s) const {
+    if (s.size() == 0) return OcTreeFill::unknown();
+    if (cube.depth > kSampledDepth)
+      return cube.depth < OcTreeCube::kMaxDepth ? OcTreeFill::split() : sample(cube, s);
+    if (isUniform(s) && isCovered(boxInSource(cube), s))
+      return OcTreeFill::leaf(s[0].node->getLogOdds());
+    return OcTreeFill::split();
+  }
+
+ private:
+  /** The voxels of a cube of this depth, 4 x 4 x 4, are sampled from the pieces of the cube: to
+   * sort these out for each smaller cube costs more than to look through them. */
+  static constexpr unsigned kSampledDepth = OcTreeCube::kMaxDepth - 2;
+
+  Eigen::Vector3d toSource(const Eigen::Vector3d& p_new_grid) const {
+    const Eigen::Vector3d p = (p_new_grid.array() - kGridOrigin).matrix() * scale_;
+    return ((rotation_ * p + translation_).array() + kGridOrigin).matrix();
+  }
+
+  static Eigen::Vector3d centreOf(const OcTreeCube& c) {
+    return Eigen::Vector3d(c.key[0], c.key[1], c.key[2]).array() + 0.5 * c.side();
+  }
+
+  Box boxInSource(const OcTreeCube& cube) const {
+    const Eigen::Vector3d centre = toSource(centreOf(cube));
+    const Eigen::Vector3d half = half_extent_per_side_ * cube.side();
+    return {centre - half, centre + half};
+  }
+
+  /** Adds to \a s the parts of \a piece in \a box: pieces no larger than \a side, or leaves. */
+  void addPieces(const Piece& piece, const Box& box, double side, State& s) const {
+    if (box.volumeIn(piece.cube) <= 0) return;
+    if (piece.cube.side() <= side || !source_.nodeHasChildren(piece.node)) {
+      s.add(piece);
+      return;
+    }
+    for (unsigned i = 0; i < 8; i++)
+      if (source_.nodeChildExists(piece.node, i))
+        addPieces({source_.getNodeChild(piece.node, i), piece.cube.child(i)}, box, side, s);
+  }
+
+  /** True if the pieces are leaves of one value. */
+  bool isUniform(const State& s) const {
+    for (size_t i = 0; i < s.size(); i++)
+      if (source_.nodeHasChildren(s[i].node) || s[i].node->getLogOdds() != s[0].node->getLogOdds())
+        return false;
+    return true;
+  }
+
+  /** True if the pieces, which do not overlap, fill the box: no unknown space in it. */
+  static bool isCovered(const Box& box, const State& s) {
+    double covered = 0;
+    for (size_t i = 0; i < s.size(); i++) covered += box.volumeIn(s[i].cube);
+    return covered >= (box.high - box.low).prod() * (1 - 1e-9);
+  }
+
+  OcTreeFill sample(const OcTreeCube& voxel, const State& s) const {
+    float highest = -std::numeric_limits<float>::infinity();
+    const int n = samples_per_axis_;
+    for (int z = 0; z < n; z++)
+      for (int y = 0; y < n; y++)
+        for (int x = 0; x < n; x++) {
+          const Eigen::Vector3d offset = (Eigen::Vector3d(x, y, z).array() + 0.5) / n;
+          const Eigen::Vector3d p =
+              toSource(Eigen::Vector3d(voxel.key[0], voxel.key[1], voxel.key[2]) + offset);
+          if (const auto* leaf = findLeaf(p, s)) highest = std::max(highest, leaf->getLogOdds());
+        }
+    return std::isinf(highest) ? OcTreeFill::unknown() : OcTreeFill::leaf(highest);
+  }
+
+  /** The leaf that contains a point of the source grid, or none. */
+  const OcTreeNode* findLeaf(const Eigen::Vector3d& p, const State& pieces) const {
+    if (p.minCoeff() < 0 || p.maxCoeff() >= kGridSide) return nullptr;
+    const uint32_t key[3] = {static_cast<uint32_t>(p.x()), static_cast<uint32_t>(p.y()),
+                             static_cast<uint32_t>(p.z())};
+    for (size_t j = 0; j < pieces.size(); j++) {
+      const Piece& piece = pieces[j];
+      bool inside = true;
+      for (unsigned axis = 0; axis < 3; axis++)
+        inside = inside && key[axis] >= piece.cube.key[axis] &&
+                 key[axis] - piece.cube.key[axis] < piece.cube.side();
+      if (!inside) continue;
+      const OcTreeNode* node = piece.node;
+      for (unsigned bit = OcTreeCube::kMaxDepth - piece.cube.depth;
+           source_.nodeHasChildren(node);) {
+        bit--;
+        const unsigned i =
+            ((key[0] >> bit) & 1U) | ((key[1] >> bit) & 1U) << 1U | ((key[2] >> bit) & 1U) << 2U;
+        if (!source_.nodeChildExists(node, i)) return nullptr;
+        node = source_.getNodeChild(node, i);
+      }
+      return node;
+    }
+    return nullptr;
+  }
+
+  const OcTree& source_;
+  std::vector<Piece> stack_;
+  double scale_;
+  Eigen::Matrix3d rotation_;
+  Eigen::Vector3d translation_;
+  int samples_per_axis_;
+  Eigen::Vector3d half_extent_per_side_;
+};
+
+/** Throws if the known space of \a source does not fit the new grid. */
+void checkFits(const OcTree& source, const Eigen::Isometry3d& T, double resolution) {
+  if (!source.getRoot()) return;
+  const Eigen::AlignedBox3d known = knownSpace(source);
+  const Eigen::Vector3d centre = T * known.center();
+  const Eigen::Vector3d half = T.linear().cwiseAbs() * (0.5 * known.sizes());
+  if ((centre.cwiseAbs() + half).maxCoeff() > (kGridOrigin + 1e-6) * resolution)
+    throw std::out_of_range("the transformed map does not fit an octree of this resolution");
+}
+
+/** True if a voxel of \a map within half a voxel diagonal of a point is occupied. */
+bool hasObstacleNear(const OcTree& map, const OcTreeKey& home, const Eigen::Vector3d& p) {
+  const double reach2 = 0.75 * map.getResolution() * map.getResolution();
+  const auto isObstacle = [&](const OcTreeKey& key) {
+    const Eigen::Vector3d c(map.keyToCoord(key[0]), map.keyToCoord(key[1]), map.keyToCoord(key[2]));
+    if ((c - p).squaredNorm() > reach2) return false;
+    const auto* node = map.search(key);
+    return node && map.isNodeOccupied(node);
+  };
+  if (isObstacle(home)) return true;  // mostly
+  for (int dz = -1; dz <= 1; dz++)
+    for (int dy = -1; dy <= 1; dy++)
+      for (int dx = -1; dx <= 1; dx++)
+        if (isObstacle(OcTreeKey(static_cast<octomap::key_type>(home[0] + dx),
+                                 static_cast<octomap::key_type>(home[1] + dy),
+                                 static_cast<octomap::key_type>(home[2] + dz))))
+          return true;
+  return false;
+}
+
+/** Calls f(centre) for the voxels on the faces of a cube: those within lie deep in what is
+ * occupied. Of cubes wider than kWideLeaf there is no fear that they get lost. */
+template <class F>
+void forEachFaceVoxel(const OcTree& map, const OcTreeCube& cube, F&& f) {
+  constexpr int kWideLeaf = 64;
+  if (cube.side() > kWideLeaf) return;
+  const int side = static_cast<int>(cube.side());
+  const auto coord = [&](unsigned axis, int i) {
+    return map.keyToCoord(static_cast<octomap::key_type>(cube.key[axis] + i));
+  };
+  const auto is_face = [side](int i) { return i == 0 || i == side - 1; };
+  for (int z = 0; z < side; z++)
+    for (int y = 0; y < side; y++)
+      for (int x = 0; x < side; x++)
+        if (is_face(x) || is_face(y) || is_face(z))
+          f(Eigen::Vector3d(coord(0, x), coord(1, y), coord(2, z)));
+}
+
+void addOccupiedLeaves(const OcTree& map, const Piece& piece, std::vector<Piece>& leaves) {
+  if (!map.nodeHasChildren(piece.node)) {
+    if (map.isNodeOccupied(piece.node)) leaves.push_back(piece);
+    return;
+  }
+  for (unsigned i = 0; i < 8; i++)
+    if (map.nodeChildExists(piece.node, i))
+      addOccupiedLeaves(map, {map.getNodeChild(piece.node, i), piece.cube.child(i)}, leaves);
+}
+
+/** Gives the containing voxel of \a grown the value of each occupied source voxel that has no
+ * occupied counterpart within half a voxel diagonal. */
+void keepThinObstacles(const OcTree& source, const Eigen::Isometry3d& T, OcTree& grown) {
+  // A voxel this much larger than the new ones always holds a new centre.
+  if (source.getResolution() > std::sqrt(3.0) * grown.getResolution()) return;
+  std::vector<Piece> leaves;
+  if (source.getRoot()) addOccupiedLeaves(source, {source.getRoot(), OcTreeCube{}}, leaves);
+  struct Lost {
+    OcTreeKey key;
+    float log_odds;
+  };
+  // Added after the search, so that none depends on another's order.
+  constexpr size_t kGrain = 1024;
+  std::vector<std::vector<Lost>> lost((leaves.size() + kGrain - 1) / kGrain);
+  tbb::parallel_for(size_t{0}, lost.size(), [&](size_t g) {
+    for (size_t i = g * kGrain; i < std::min((g + 1) * kGrain, leaves.size()); i++)
+      forEachFaceVoxel(source, leaves[i].cube, [&](const Eigen::Vector3d& centre) {
+        const Eigen::Vector3d p = T * centre;
+        const OcTreeKey home = grown.coordToKey(p.x(), p.y(), p.z());
+        if (!hasObstacleNear(grown, home, p))
+          lost[g].push_back({home, leaves[i].node->getLogOdds()});
+      });
+  });
+  // setNodeValue() clamps: keep the values as they are.
+  const auto model = OcTreeAccess::sensorModel(grown);
+  auto unclamped = model;
+  unclamped.clamp_min = -std::numeric_limits<float>::max();
+  unclamped.clamp_max = std::numeric_limits<float>::max();
+  OcTreeAccess::setSensorModel(grown, unclamped);
+  for (const auto& some : lost)
+    for (const Lost& l : some) {
+      const auto* node = grown.search(l.key);
+      if (!node || node->getLogOdds() < l.log_odds) grown.setNodeValue(l.key, l.log_odds);
+    }
+  OcTreeAccess::setSensorModel(grown, model);
+}
+
+}  // namespace
+
+std::unique_ptr<OcTree> transformOcTree(const OcTree& source, const Eigen::Isometry3d& T_dst_src,
+                                        double resolution) {
+  if (!T_dst_src.matrix().allFinite())
+    throw std::invalid_argument("transformOcTree: the transform is not finite");
+  if (!(resolution > 0) || !std::isfinite(resolution))
+    throw std::invalid_argument("transformOcTree: the resolution must be a positive length");
+  constexpr double kMostCoarser = 64;  // samples of a voxel grow by its cube
+  if (resolution > kMostCoarser * source.getResolution())
+    throw std::invalid_argument("transformOcTree: the new voxels are more than 64 times as wide");
+  checkFits(source, T_dst_src, resolution);
+
+  auto result = std::make_unique<OcTree>(resolution);
+  OcTreeAccess::setSensorModel(*result, OcTreeAccess::sensorModel(source));
+  buildOcTreeInParallel(*result, ResamplingVisitor(source, T_dst_src.inverse(), resolution));
+  keepThinObstacles(source, T_dst_src, *result);
+  return result;
+}
+
+}  // namespace mrpt::fusion

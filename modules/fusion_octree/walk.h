@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <octomap/OcTree.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "fusion_octree/build.h"
+
+/** \file
+ * Walking through the voxels of an octree, pruned leaves expanded: octomap's iterators keep a stack
+ * and compute a key per node, free ones too, which takes ten times as long.
+ */
+
+namespace mrpt::fusion {
+
+/** Most voxels that a map is expanded to: a tiny hostile file can hold one leaf that stands for
+ * 2^48 of them. */
+constexpr size_t kMaxVoxels = 100'000'000;
+
+/** The key of the i-th of all finest voxels in the octree's order, x fastest at each depth. */
+inline octomap::OcTreeKey keyInOctreeOrder(uint64_t i) {
+  octomap::OcTreeKey key(0, 0, 0);
+  for (unsigned bit = 0; i >> (3 * bit); bit++)
+    for (unsigned axis = 0; axis < 3; axis++)
+      key[axis] |= static_cast<octomap::key_type>((i >> (3 * bit + axis) & 1) << bit);
+  return key;
+}
+
+namespace detail {
+
+/** \param[in] node Has children. Most nodes are leaves: one costs a look, not a call. */
+template <class F>
+void forEachLeafBelow(const octomap::OcTree& tree, const octomap::OcTreeNode& node,
+                      const OcTreeCube& cube, F&& f) {
+  for (unsigned i = 0; i < 8; i++) {
+    if (!tree.nodeChildExists(&node, i)) continue;
+    const octomap::OcTreeNode& child = *tree.getNodeChild(&node, i);
+    if (tree.nodeHasChildren(&child))
+      forEachLeafBelow(tree, child, cube.child(i), f);
+    else
+      f(cube.child(i), child);
+  }
+}
+
+}  // namespace detail
+
+/** Calls `f(const OcTreeCube&, const OcTreeNode&)` for each leaf, in the order of the octree. */
+template <class F>
+void forEachLeaf(const octomap::OcTree& tree, F&& f) {
+  const octomap::OcTreeNode* root = tree.getRoot();
+  if (!root) return;
+  if (tree.nodeHasChildren(root))
+    detail::forEachLeafBelow(tree, *root, {}, f);
+  else
+    f(OcTreeCube{}, *root);
+}
+
+/** The box of all that a map knows, occupied or free, m; empty for an empty map. Octomap's
+ * getMetricMin() and getMetricMax() walk through the map as its iterators do, each by itself. */
+inline Eigen::AlignedBox3d knownSpace(const octomap::OcTree& map) {
+  constexpr uint32_t kMost = 1U << OcTreeCube::kMaxDepth;
+  std::array<uint32_t, 3> low{kMost, kMost, kMost}, high{0, 0, 0};
+  forEachLeaf(map, [&](const OcTreeCube& cube, const octomap::OcTreeNode&) {
+    for (unsigned axis = 0; axis < 3; axis++) {
+      low[axis] = std::min<uint32_t>(low[axis], cube.key[axis]);
+      high[axis] = std::max<uint32_t>(high[axis], cube.key[axis] + cube.side());
+    }
+  });
+  const auto corner = [&](const std::array<uint32_t, 3>& k) {
+    return Eigen::Vector3d(map.getResolution() * (Eigen::Array3d(k[0], k[1], k[2]) - 0.5 * kMost));
+  };
+  return {corner(low), corner(high)};
+}
+
+/** Calls `f(const OcTreeKey&)` for each finest voxel of a cube, in the order of the octree. */
+template <class F>
+void forEachVoxel(const OcTreeCube& cube, F&& f) {
+  const uint64_t volume = uint64_t{1} << (3 * (OcTreeCube::kMaxDepth - cube.depth));
+  for (uint64_t i = 0; i < volume; i++) {
+    octomap::OcTreeKey key = keyInOctreeOrder(i);
+    for (unsigned axis = 0; axis < 3; axis++) key[axis] |= cube.key[axis];
+    f(key);
+  }
+}
+
+}  // namespace mrpt::fusion

@@ -1,9 +1,0 @@
-// SPDX-License-Identifier: BSD-3-Clause
-#include <mrpt/core/initializer.h>
-#include <mrpt/maps/CEdgeVoxelMap.h>
-#include <mrpt/rtti/CObject.h>
-
-/** Joins MRPT's class factory when the library loads, linked or as a plugin. */
-MRPT_INITIALIZER(registerFusion) {
-  mrpt::rtti::registerClass(CLASS_ID(mrpt::maps::CEdgeVoxelMap));
-}

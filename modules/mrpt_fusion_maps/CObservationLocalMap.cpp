@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/maps/CProbOctoMap.h>
+#include <mrpt/obs/CObservationLocalMap.h>
+#include <mrpt/serialization/CArchive.h>
+
+#include <iostream>
+
+#include "fusion_octree/build.h"
+#include "fusion_octree/compression.h"
+#include "mrpt_fusion_maps/archive_blobs.h"
+
+using namespace mrpt::fusion;
+using namespace mrpt::obs;
+using mrpt::maps::CMetricMap;
+using mrpt::maps::CProbOctoMap;
+
+IMPLEMENTS_SERIALIZABLE(CObservationLocalMap, CObservation, mrpt::obs)
+
+namespace {
+
+enum class Content : uint8_t { None, OcTree, Other };
+
+/** All of a map but its nodes. */
+CProbOctoMap withoutNodes(const CProbOctoMap& map) {
+  using mrpt::fusion::OcTreeAccess;
+  CProbOctoMap hull(map.getResolution());
+  hull.genericMapParams = map.genericMapParams;
+  hull.insertionOptions = map.insertionOptions;
+  hull.likelihoodOptions = map.likelihoodOptions;
+  hull.renderingOptions = map.renderingOptions;
+  OcTreeAccess::setSensorModel(hull.octree(), OcTreeAccess::sensorModel(map.octree()));
+  return hull;
+}
+
+void writeMap(mrpt::serialization::CArchive& out, const CMetricMap* map) {
+  if (const auto* octomap = dynamic_cast<const CProbOctoMap*>(map)) {
+    out << static_cast<uint8_t>(Content::OcTree) << withoutNodes(*octomap);
+    mrpt::fusion::writeBlob(out, mrpt::fusion::compressNodes(octomap->octree()));
+  } else if (map) {
+    out << static_cast<uint8_t>(Content::Other) << *map;
+  } else {
+    out << static_cast<uint8_t>(Content::None);
+  }
+}
+
+CMetricMap::Ptr readMap(mrpt::serialization::CArchive& in) {
+  uint8_t content = 0;
+  in >> content;
+  switch (static_cast<Content>(content)) {
+    case Content::None:
+      return nullptr;
+    case Content::OcTree: {
+      auto octomap = std::make_shared<CProbOctoMap>();
+      in >> *octomap;
+      mrpt::fusion::decompressNodes(mrpt::fusion::readBlob(in), octomap->octree());
+      return octomap;
+    }
+    case Content::Other: {
+      auto map = std::dynamic_pointer_cast<CMetricMap>(in.ReadObject());
+      ASSERTMSG_(map, "CObservationLocalMap: corrupt stream: it holds something that is no map");
+      return map;
+    }
+  }
+  THROW_EXCEPTION("CObservationLocalMap: corrupt stream: a map of no known kind");
+}
+
+}  // namespace
+
+CObservationLocalMap::CObservationLocalMap() { pose.cov.setDiagonal(6, 1e6); }
+
+uint8_t CObservationLocalMap::serializeGetVersion() const { return 0; }
+
+void CObservationLocalMap::serializeTo(mrpt::serialization::CArchive& out) const {
+  out << timestamp;
+  mrpt::fusion::writeBlob(out, sensorLabel);
+  out << sequence << pose;
+  writeMap(out, map.get());
+  mrpt::fusion::writeEndMark(out);
+}
+
+void CObservationLocalMap::serializeFrom(mrpt::serialization::CArchive& in, uint8_t version) {
+  if (version != 0) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
+  CObservationLocalMap read;  // first: what ends early leaves this one as it was
+  in >> read.timestamp;
+  read.sensorLabel = mrpt::fusion::readBlob(in);
+  in >> read.sequence >> read.pose;
+  read.map = readMap(in);
+  mrpt::fusion::readEndMark(in);
+  *this = std::move(read);
+}
+
+void CObservationLocalMap::getSensorPose(mrpt::poses::CPose3D& out_sensorPose) const {
+  out_sensorPose = pose.mean;
+}
+void CObservationLocalMap::setSensorPose(const mrpt::poses::CPose3D& newSensorPose) {
+  pose.mean = newSensorPose;
+}
+
+void CObservationLocalMap::getDescriptionAsText(std::ostream& o) const {
+  CObservation::getDescriptionAsText(o);
+  o << "Map number " << sequence << " of robot '" << sensorLabel << "'\n"
+    << "Pose guess in the common frame: " << pose << "\n"
+    << "Map: " << (map ? map->asString() : "none") << "\n";
+  if (const auto* octomap = dynamic_cast<const CProbOctoMap*>(map.get())) {
+    double low[3], high[3];
+    octomap->getMetricMin(low[0], low[1], low[2]);
+    octomap->getMetricMax(high[0], high[1], high[2]);
+    o << mrpt::format("Known space: x %.2f to %.2f, y %.2f to %.2f, z %.2f to %.2f m\n", low[0],
+                      high[0], low[1], high[1], low[2], high[2]);
+  }
+}
+
+std::string CObservationLocalMap::exportTxtHeader() const {
+  return mrpt::format("%10s %16s %16s %16s %16s %16s %16s  %s", "sequence", "x", "y", "z", "yaw",
+                      "pitch", "roll", "map");
+}
+
+std::string CObservationLocalMap::exportTxtDataRow() const {
+  const auto& p = pose.mean;
+  std::string description = map ? map->asString() : "none";
+  return mrpt::format("%10llu %16.6f %16.6f %16.6f %16.6f %16.6f %16.6f  \"%s\"",
+                      static_cast<unsigned long long>(sequence), p.x(), p.y(), p.z(), p.yaw(),
+                      p.pitch(), p.roll(), description.c_str());
+}

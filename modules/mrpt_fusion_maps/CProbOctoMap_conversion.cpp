@@ -1,0 +1,391 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/fusion/compat.h>
+#include <mrpt/maps/CColouredOctoMap.h>
+#include <mrpt/maps/COccupancyGridMap3D.h>
+#include <mrpt/maps/CProbOctoMap.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "fusion_octree/build.h"
+#include "fusion_octree/walk.h"
+
+using namespace mrpt::fusion;
+using namespace mrpt::maps;
+
+// ---------------------------------------------------------------- COctoMap, CColouredOctoMap
+
+namespace {
+
+double probability(float log_odds) {
+  return 1.0 / (1.0 + std::exp(-static_cast<double>(log_odds)));
+}
+
+/** Log-odds as far as double-valued probabilities reach: beyond, they are 0 or 1. */
+constexpr float kMaxLogOdds = 36.0F;
+
+/** The probability that OctoMap turns into exactly these log-odds, or as near as doubles allow. */
+double exactProbability(float log_odds) {
+  ASSERTMSG_(std::abs(log_odds) <= kMaxLogOdds,
+             "CProbOctoMap: log-odds too large for a probability in MRPT's octomaps");
+  const double p = probability(log_odds);
+  for (const double candidate : {p, std::nextafter(p, 0.0), std::nextafter(p, 1.0)})
+    if (octomap::logodds(candidate) == log_odds) return candidate;
+  return p;
+}
+
+/** A leaf cube and its value, ordered by the cube's place in the tree. */
+struct LeafCube {
+  OcTreeCube cube;
+  float log_odds;
+};
+
+/** Builds a tree from leaf cubes that are grouped by child at each level on the way down. */
+class LeafListVisitor {
+ public:
+  struct State {
+    std::vector<LeafCube> leaves;
+  };
+  OcTreeFill visit(const OcTreeCube& cube, const State& s) const {
+    if (s.leaves.empty()) return OcTreeFill::unknown();
+    if (s.leaves.front().cube.depth == cube.depth)
+      return OcTreeFill::leaf(s.leaves.front().log_odds);
+    return OcTreeFill::split();
+  }
+  State descend(State& parent, unsigned, const OcTreeCube& child) const {
+    State s;
+    const auto rest = std::partition(parent.leaves.begin(), parent.leaves.end(),
+                                     [&](const LeafCube& l) { return !child.contains(l.cube); });
+    s.leaves.assign(rest, parent.leaves.end());
+    parent.leaves.erase(rest, parent.leaves.end());
+    return s;
+  }
+};
+
+/** A tree with the leaves and sensor model of one of MRPT's octomaps. */
+template <class TheirMap>
+std::unique_ptr<octomap::OcTree> treeOf(const TheirMap& o) {
+  // Its leaf cubes come out through the drawing API, as its renderingOptions allow.
+  viz::COctoMapVoxels voxels;
+  const auto& drawn = o.renderingOptions;
+  if (drawn.generateOccupiedVoxels && drawn.generateFreeVoxels) {
+    o.getAsOctoMapVoxels(voxels);
+  } else {
+    TheirMap copy(o);  // without its colours, see toColouredOctoMap()
+    copy.renderingOptions = {};
+    copy.getAsOctoMapVoxels(voxels);
+  }
+
+  auto tree = std::make_unique<octomap::OcTree>(o.getResolution());
+  OcTreeAccess::setSensorModel(
+      *tree, {o.getClampingThresMinLog(), o.getClampingThresMaxLog(), o.getProbHitLog(),
+              o.getProbMissLog(), o.getOccupancyThresLog()});
+  LeafListVisitor::State leaves;
+  for (const size_t set : {viz::VOXEL_SET_OCCUPIED, viz::VOXEL_SET_FREESPACE})
+    for (size_t i = 0; i < voxels.getVoxelCount(set); i++) {
+      const auto& v = voxels.getVoxel(set, i);
+      const double levels = std::log2(v.side_length / o.getResolution());
+      const auto depth = static_cast<unsigned>(OcTreeCube::kMaxDepth - std::lround(levels));
+      double p = 0;
+      OcTreeCube cube{{0, 0, 0}, depth};
+      const bool known =
+          depth <= OcTreeCube::kMaxDepth &&
+          o.getPointOccupancy(v.coords.x, v.coords.y, v.coords.z, p) &&
+          tree->coordToKeyChecked(v.coords.x, v.coords.y, v.coords.z, depth, cube.key);
+      ASSERTMSG_(known, "CProbOctoMap: a voxel of the octomap does not lie on an octree's grid");
+      const uint32_t lowest = ~(cube.side() - 1U);
+      for (unsigned axis = 0; axis < 3; axis++)
+        cube.key[axis] = static_cast<octomap::key_type>(cube.key[axis] & lowest);
+      // MRPT rounds the probability of a saturated voxel to 0 or 1.
+      constexpr double kTiny = 1e-16;
+      leaves.leaves.push_back({cube, octomap::logodds(std::clamp(p, kTiny, 1 - kTiny))});
+    }
+  LeafListVisitor visitor;
+  buildOcTree(*tree, std::move(leaves), visitor);
+  return tree;
+}
+
+/** Options are of a type of each map's own, with the same fields. */
+template <class From, class To>
+void copyOptions(const From& from, To& to) {
+  to.genericMapParams = from.genericMapParams;
+  to.likelihoodOptions.decimation = from.likelihoodOptions.decimation;
+  to.renderingOptions.generateGridLines = from.renderingOptions.generateGridLines;
+  to.renderingOptions.generateOccupiedVoxels = from.renderingOptions.generateOccupiedVoxels;
+  to.renderingOptions.visibleOccupiedVoxels = from.renderingOptions.visibleOccupiedVoxels;
+  to.renderingOptions.generateFreeVoxels = from.renderingOptions.generateFreeVoxels;
+  to.renderingOptions.visibleFreeVoxels = from.renderingOptions.visibleFreeVoxels;
+  to.insertionOptions.maxrange = from.insertionOptions.maxrange;
+  to.insertionOptions.pruning = from.insertionOptions.pruning;
+}
+
+/** Gives one of MRPT's octomaps, a fresh one, the leaves, sensor model and options of ours. */
+template <class TheirMap>
+void fill(TheirMap& result, const CProbOctoMap& map) {
+  const octomap::OcTree& tree = map.octree();
+  // One "hit" or "miss" of just the wanted strength on each voxel, with nothing clamped.
+  constexpr double kTiny = 1e-16;
+  result.setClampingThresMin(kTiny);
+  result.setClampingThresMax(1 - kTiny);
+  forEachLeaf(tree, [&](const OcTreeCube& cube, const octomap::OcTreeNode& node) {
+    const float log_odds = node.getLogOdds();
+    const bool hit = log_odds >= 0;
+    if (hit)
+      result.setProbHit(exactProbability(log_odds));
+    else
+      result.setProbMiss(exactProbability(log_odds));
+    forEachVoxel(cube, [&](const octomap::OcTreeKey& key) {
+      result.updateVoxel(tree.keyToCoord(key[0]), tree.keyToCoord(key[1]), tree.keyToCoord(key[2]),
+                         hit);
+    });
+  });
+  result.setOccupancyThres(tree.getOccupancyThres());
+  result.setProbHit(tree.getProbHit());
+  result.setProbMiss(tree.getProbMiss());
+  result.setClampingThresMin(tree.getClampingThresMin());
+  result.setClampingThresMax(tree.getClampingThresMax());
+  copyOptions(map, result);
+}
+
+}  // namespace
+
+CProbOctoMap::CProbOctoMap(const COctoMap& o) { fromOctoMap(o); }
+CProbOctoMap::CProbOctoMap(const CColouredOctoMap& o) { fromOctoMap(o); }
+
+void CProbOctoMap::fromOctoMap(const COctoMap& o) {
+  setOctree(treeOf(o));
+  copyOptions(o, *this);
+}
+
+void CProbOctoMap::fromOctoMap(const CColouredOctoMap& o) {
+  setOctree(treeOf(o));
+  copyOptions(o, *this);
+}
+
+void CProbOctoMap::toOctoMap(COctoMap& o) const {
+  COctoMap result(getResolution());
+  fill(result, *this);
+  o = result;
+}
+
+// ---------------------------------------------------------------- colours
+
+namespace {
+
+using Colour = std::array<uint8_t, 3>;
+using mrpt::math::TPoint3D;
+
+/** The colour of an occupied voxel of a map at a point of its frame. */
+std::optional<Colour> colourAt(const CColouredOctoMap& map, const TPoint3D& p) {
+  const auto x = static_cast<float>(p.x), y = static_cast<float>(p.y), z = static_cast<float>(p.z);
+  constexpr Colour kUnset = {255, 255, 255};  // octomap's
+  double occupancy = 0;
+  Colour c = kUnset;
+  if (!map.getPointOccupancy(x, y, z, occupancy) || occupancy < map.getOccupancyThres() ||
+      !map.getPointColour(x, y, z, c[0], c[1], c[2]) || c == kUnset)
+    return std::nullopt;
+  return c;
+}
+
+/** The colour of the occupied voxel of a map that is nearest to a point of its frame, centre to
+ * point; nothing if none that has one is within \a reach (m). */
+std::optional<Colour> nearestColour(const CColouredOctoMap& map, const TPoint3D& p, double reach) {
+  if (const auto here = colourAt(map, p)) return here;  // no other centre is nearer
+  const double voxel = map.getResolution();
+  const auto centre = [&](double v, int offset) {
+    return (std::floor(v / voxel) + 0.5 + offset) * voxel;
+  };
+  const int n = static_cast<int>(std::ceil(reach / voxel));
+  std::optional<Colour> nearest;
+  double nearest_distance = reach;
+  for (int i = -n; i <= n; i++)
+    for (int j = -n; j <= n; j++)
+      for (int k = -n; k <= n; k++) {
+        const TPoint3D q(centre(p.x, i), centre(p.y, j), centre(p.z, k));
+        const double distance = (q - p).norm();
+        if (distance > nearest_distance) continue;
+        if (const auto colour = colourAt(map, q)) {
+          nearest = colour;
+          nearest_distance = distance;
+        }
+      }
+  return nearest;
+}
+
+/** The mean of colours. */
+class MeanColour {
+ public:
+  void add(const Colour& c) {
+    for (size_t i = 0; i < 3; i++) sum_[i] += c[i];
+    count_++;
+  }
+  std::optional<Colour> get() const {
+    if (!count_) return std::nullopt;
+    Colour mean;
+    for (size_t i = 0; i < 3; i++) mean[i] = static_cast<uint8_t>((sum_[i] + count_ / 2) / count_);
+    return mean;
+  }
+
+ private:
+  std::array<size_t, 3> sum_{};
+  size_t count_ = 0;
+};
+
+}  // namespace
+
+std::shared_ptr<CColouredOctoMap> CProbOctoMap::toColouredOctoMap(
+    const std::vector<ColourSource>& sources) const {
+  auto result = std::make_shared<CColouredOctoMap>(getResolution());
+  fill(*result, *this);
+  const auto method = result->getVoxelColourMethod();
+  result->setVoxelColourMethod(CColouredOctoMap::SET);
+  // MRPT has pruned what it was given, and a leaf has one colour.
+  octomap::OcTree pruned(*m_octree);
+  pruned.prune();
+  const auto centre = [&](const octomap::OcTreeKey& key) {
+    return TPoint3D(pruned.keyToCoord(key[0]), pruned.keyToCoord(key[1]),
+                    pruned.keyToCoord(key[2]));
+  };
+  forEachLeaf(pruned, [&](const OcTreeCube& cube, const octomap::OcTreeNode& node) {
+    if (!pruned.isNodeOccupied(node)) return;
+    MeanColour mean;
+    forEachVoxel(cube, [&](const octomap::OcTreeKey& key) {
+      for (const auto& source : sources) {
+        const double voxel = std::max(getResolution(), source.map.getResolution());
+        const auto colour = nearestColour(source.map, source.pose.inverseComposePoint(centre(key)),
+                                          0.5 * std::sqrt(3.0) * voxel);
+        if (colour) mean.add(*colour);
+      }
+    });
+    const auto at = centre(cube.key);
+    if (const auto colour = mean.get())
+      result->updateVoxelColour(at.x, at.y, at.z, (*colour)[0], (*colour)[1], (*colour)[2]);
+  });
+  result->setVoxelColourMethod(method);
+  return result;
+}
+
+// ---------------------------------------------------------------- COccupancyGridMap3D
+
+namespace {
+
+using Grid = COccupancyGridMap3D;
+
+/** Cells hold the log-odds of being free, in this many steps for each unit. */
+constexpr float kCellSteps = 16;
+
+/** Tells what a grid's cells are in an octree, whose keys begin at a cell of its own. */
+class GridVisitor {
+ public:
+  struct State {};
+  /** \param[in] first Key of the grid's first cell. */
+  GridVisitor(const Grid::grid_t& cells, const std::array<int64_t, 3>& first)
+      : cells_(cells),
+        first_(first),
+        size_{static_cast<int64_t>(cells.getSizeX()), static_cast<int64_t>(cells.getSizeY()),
+              static_cast<int64_t>(cells.getSizeZ())} {}
+
+  OcTreeFill visit(const OcTreeCube& cube, const State&) const {
+    std::array<int64_t, 3> c{};
+    for (unsigned axis = 0; axis < 3; axis++) {
+      c[axis] = cube.key[axis] - first_[axis];
+      if (c[axis] + cube.side() <= 0 || c[axis] >= size_[axis]) return OcTreeFill::unknown();
+    }
+    if (cube.depth < OcTreeCube::kMaxDepth) return OcTreeFill::split();
+    // (cellByIndex() takes the cells of a grid that was read from a stream for others: MRPT forgets
+    // to set its stride.)
+    const auto cell =
+        cells_.data()[static_cast<size_t>(c[0] + size_[0] * (c[1] + size_[1] * c[2]))];
+    return cell ? OcTreeFill::leaf(-static_cast<float>(cell) / kCellSteps) : OcTreeFill::unknown();
+  }
+  State descend(const State&, unsigned, const OcTreeCube&) const { return {}; }
+
+ private:
+  const Grid::grid_t& cells_;
+  std::array<int64_t, 3> first_, size_;
+};
+
+/** The box of a tree's known voxels: lowest and highest keys. */
+struct KeyBox {
+  std::array<uint32_t, 3> low{UINT32_MAX, UINT32_MAX, UINT32_MAX}, high{0, 0, 0};
+
+  explicit KeyBox(const octomap::OcTree& tree) {
+    forEachLeaf(tree, [&](const OcTreeCube& cube, const octomap::OcTreeNode&) {
+      for (unsigned axis = 0; axis < 3; axis++) {
+        low[axis] = std::min<uint32_t>(low[axis], cube.key[axis]);
+        high[axis] = std::max<uint32_t>(high[axis], cube.key[axis] + cube.side() - 1);
+      }
+    });
+  }
+  double voxels() const {
+    double n = 1;
+    for (unsigned axis = 0; axis < 3; axis++) n *= high[axis] - low[axis] + 1.0;
+    return n;
+  }
+};
+
+/** Reaches what says that a grid has contents, which MRPT sets with observations only. */
+struct GridAccess : Grid {
+  static void setEmpty(Grid& grid, bool empty) { grid.*(&GridAccess::m_is_empty) = empty; }
+};
+
+}  // namespace
+
+CProbOctoMap::CProbOctoMap(const COccupancyGridMap3D& o) : CProbOctoMap() { fromOccupancyGrid(o); }
+
+void CProbOctoMap::fromOccupancyGrid(const COccupancyGridMap3D& o) {
+  const auto& cells = o.m_grid;
+  const double resolution = cells.getResolutionXY();
+  ASSERTMSG_(resolution > 0 && cells.getResolutionZ() == resolution,
+             "CProbOctoMap: the cells of the grid are no cubes");
+  constexpr double kOrigin = 32768;
+  const std::array<double, 3> min{cells.getXMin(), cells.getYMin(), cells.getZMin()};
+  const std::array<size_t, 3> size{cells.getSizeX(), cells.getSizeY(), cells.getSizeZ()};
+  std::array<int64_t, 3> first{};
+  for (unsigned axis = 0; axis < 3; axis++) {
+    const double key = std::round(min[axis] / resolution) + kOrigin;
+    ASSERTMSG_(key >= 0 && key + static_cast<double>(size[axis]) <= 2 * kOrigin,
+               "CProbOctoMap: the grid reaches beyond what an octree of its resolution can hold");
+    first[axis] = static_cast<int64_t>(key);
+  }
+  ASSERTMSG_(cells.data().size() == size[0] * size[1] * size[2],
+             "CProbOctoMap: the grid has not the cells that its size says");
+  auto tree = std::make_unique<octomap::OcTree>(resolution);
+  GridVisitor visitor(cells, first);
+  buildOcTree(*tree, {}, visitor);
+  OcTreeAccess::setSensorModel(*tree, OcTreeAccess::sensorModel(*m_octree));
+  m_octree = std::move(tree);
+}
+
+void CProbOctoMap::toOccupancyGrid(COccupancyGridMap3D& o) const {
+  const double side = getResolution();
+  if (isEmpty()) {
+    o.setSize({0, 0, 0}, {side, side, side}, side);
+    GridAccess::setEmpty(o, true);
+    return;
+  }
+  const KeyBox box(*m_octree);
+  ASSERTMSG_(box.voxels() <= static_cast<double>(kMaxVoxels),
+             mrpt::format("CProbOctoMap: a grid of this map would have %.0f cells, more than %zu",
+                          box.voxels(), kMaxVoxels));
+  const auto corner = [&](const std::array<uint32_t, 3>& key, double voxels) {
+    const auto coord = [&](unsigned axis) {
+      return m_octree->keyToCoord(static_cast<octomap::key_type>(key[axis])) + voxels * side;
+    };
+    return mrpt::math::TPoint3D(coord(0), coord(1), coord(2));
+  };
+  o.setSize(corner(box.low, -0.5), corner(box.high, 0.5), side);
+  GridAccess::setEmpty(o, false);
+  forEachLeaf(*m_octree, [&](const OcTreeCube& cube, const octomap::OcTreeNode& node) {
+    const float steps = std::clamp<float>(std::round(-kCellSteps * node.getLogOdds()),
+                                          Grid::CELLTYPE_MIN, Grid::CELLTYPE_MAX);
+    forEachVoxel(cube, [&](const octomap::OcTreeKey& key) {
+      *o.m_grid.cellByIndex(key[0] - box.low[0], key[1] - box.low[1], key[2] - box.low[2]) =
+          static_cast<Grid::voxelType>(steps);
+    });
+  });
+}

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <mrpt/core/initializer.h>
+#include <mrpt/maps/CEdgeVoxelMap.h>
+#include <mrpt/maps/CProbOctoMap.h>
+#include <mrpt/obs/CObservationLocalMap.h>
+#include <mrpt/rtti/CObject.h>
+
+/** Joins MRPT's class factory when the library loads, linked or as a plugin. */
+MRPT_INITIALIZER(registerFusionMaps) {
+  mrpt::rtti::registerClass(CLASS_ID(mrpt::maps::CEdgeVoxelMap));
+  mrpt::rtti::registerClass(CLASS_ID(mrpt::maps::CProbOctoMap));
+  mrpt::rtti::registerClass(CLASS_ID(mrpt::obs::CObservationLocalMap));
+}

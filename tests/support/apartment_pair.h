@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "fusion_core/pair/matching.h"
+#include "fusion_octree/resampling.h"
+#include "support/test_maps.h"
+
+namespace mrpt::fusion::test {
+
+/** With all edges: the first level is tested by itself too. */
+inline MapFeatures featuresOf(const octomap::OcTree& map) {
+  MatchParams params;
+  params.edge_spacing = 0;
+  return computeFeatures(map, params);
+}
+
+/** Two maps of an apartment, a common 3.5 m wide, each in a frame amid it and on a grid of its own.
+ * Coarse ones are for tests of something else than accuracy: they take a fourth of the time. */
+struct ApartmentPair {
+  explicit ApartmentPair(double voxel_size) : resolution(voxel_size) {}
+
+  const double resolution;
+  const Eigen::Isometry3d T_a_w = poseOf(-1.7, -4.5, -0.53, 23, 1, -0.5);
+  const Eigen::Isometry3d T_b_w = poseOf(-6, 4.3, -1.2, -64, -0.7, 1.3);
+  const Eigen::Isometry3d truth = T_a_w * T_b_w.inverse();
+  const std::unique_ptr<octomap::OcTree> map_a =
+      mrpt::fusion::transformOcTree(*apartment({0, 0, 0}, {65, 69, 25}), T_a_w, resolution);
+  const std::unique_ptr<octomap::OcTree> map_b =
+      mrpt::fusion::transformOcTree(*apartment({30, 0, 0}, {99, 69, 25}), T_b_w, resolution);
+  const MapFeatures a = featuresOf(*map_a);
+  const MapFeatures b = featuresOf(*map_b);
+};
+
+}  // namespace mrpt::fusion::test
