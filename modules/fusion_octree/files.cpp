@@ -203,9 +203,13 @@ std::unique_ptr<octomap::OcTree> parseOcTreeFile(std::string_view bytes) {
   return tree;
 }
 
+void serializeNodes(const octomap::OcTree& tree, const ByteSink& sink) {
+  NodeWriter(tree, sink).writeAll();
+}
+
 std::string serializeNodes(const octomap::OcTree& tree) {
   return collected(tree.size() * kNodeBytes,
-                   [&](const ByteSink& sink) { NodeWriter(tree, sink).writeAll(); });
+                   [&](const ByteSink& sink) { serializeNodes(tree, sink); });
 }
 
 std::string toOtFile(const octomap::OcTree& tree) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "fusion_base/files.h"
+
 /** \file
  * OctoMap's file formats. Reading is our own because OctoMap's readers trust the file: a truncated
  * `.ot` makes them recurse on uninitialised memory. Files are the same, byte by byte.
@@ -38,6 +40,9 @@ void saveOcTree(const octomap::OcTree& tree, const std::string& path);
 /** The nodes in pre-order, as in the data part of a `.ot` file: log-odds (4 bytes, native float)
  * and a mask of its children (1 byte) for each. Empty for an empty tree. */
 std::string serializeNodes(const octomap::OcTree& tree);
+/** \overload
+ * Gives the bytes to \a sink in pieces. */
+void serializeNodes(const octomap::OcTree& tree, const ByteSink& sink);
 
 /** Inverse of serializeNodes(): fills the empty \a tree with the nodes read.
  * \param[in] bytes All of them. \param[in,out] tree Empty.

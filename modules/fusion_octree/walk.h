@@ -17,10 +17,6 @@
 
 namespace mrpt::fusion {
 
-/** Most voxels that a map is expanded to: a tiny hostile file can hold one leaf that stands for
- * 2^48 of them. */
-constexpr size_t kMaxVoxels = 100'000'000;
-
 /** The key of the i-th of all finest voxels in the octree's order, x fastest at each depth. */
 inline octomap::OcTreeKey keyInOctreeOrder(uint64_t i) {
   octomap::OcTreeKey key(0, 0, 0);

@@ -7,6 +7,8 @@
 #include <sstream>
 #include <vector>
 
+#include "fusion_core/features/edges.h"
+
 namespace mrpt::fusion {
 namespace {
 

@@ -9,6 +9,8 @@
 #include <optional>
 #include <vector>
 
+#include "fusion_base/bits.h"
+
 namespace mrpt::fusion {
 
 namespace detail {
@@ -265,7 +267,7 @@ void VoxelBlocks::forEach(F&& f) const {
     const auto [x, y, z] = places_[b];
     uint32_t n = blocks_[b].first;
     for (uint64_t found = blocks_[b].mask; found; found &= found - 1, n++) {
-      const int cell = __builtin_ctzll(found);
+      const int cell = lowestBit(found);
       f(voxelAt(n), Place{4 * x + xOf(cell), 4 * y + yOf(cell), 4 * z + zOf(cell)});
     }
   }
@@ -282,7 +284,7 @@ void VoxelBlocks::forEachBlock(const Place& low, const Place& high, F&& f) const
         if (!group || !(group->mask & in_zy)) continue;
         uint64_t found = group->mask & in_zy & range(0, low[0] - 4 * gx, high[0] - 4 * gx);
         for (; found; found &= found - 1)
-          if (f(contentOf(*group, __builtin_ctzll(found)))) return;
+          if (f(contentOf(*group, lowestBit(found)))) return;
       }
     }
   }
@@ -290,7 +292,7 @@ void VoxelBlocks::forEachBlock(const Place& low, const Place& high, F&& f) const
 
 template <class F>
 void VoxelBlocks::forEachPart(const Place& place, const Ball& ball, F&& f) const {
-  const auto [x, y, z] = place;
+  const int x = place[0], y = place[1], z = place[2];
   const auto cell = static_cast<size_t>(cellOf(x, y, z));
   if (!ball.parts_.empty()) {
     const uint32_t own = blockAt(x >> 2, y >> 2, z >> 2);
@@ -334,7 +336,7 @@ void VoxelBlocks::Window::forEachAround(const Offset& offset, const Ball& ball, 
         if (!found) continue;
         found &= maskOf(bx, by, bz);
         for (; found; found &= found - 1) {
-          const int other = __builtin_ctzll(found);
+          const int other = lowestBit(found);
           f(Offset{4 * bx + xOf(other) - at_[0], 4 * by + yOf(other) - at_[1],
                    4 * bz + zOf(other) - at_[2]});
         }
@@ -345,7 +347,7 @@ template <class F>
 void VoxelBlocks::forEachAround(const Place& place, const Ball& ball, F&& f) const {
   forEachPart(place, ball, [&](uint32_t block, uint64_t found, const Offset& lowest) {
     for (; found; found &= found - 1) {
-      const int cell = __builtin_ctzll(found);
+      const int cell = lowestBit(found);
       f(voxelAt(contentOf(block, cell)),
         Offset{lowest[0] + xOf(cell), lowest[1] + yOf(cell), lowest[2] + zOf(cell)});
     }

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mrpt/fusion/voxels.h>
 #include <octomap/octomap_utils.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <utility>
 
 #include "fusion_base/remembered_function.h"
+#include "fusion_core/map/map_voxels.h"
 #include "fusion_octree/walk.h"
 
 namespace mrpt::fusion {
@@ -119,34 +119,6 @@ Eigen::Vector3d meanOf(const std::vector<Eigen::Vector3f>& points) {
 
 size_t strideFor(size_t voxels, size_t enough) {
   return enough == 0 ? 1 : std::max<size_t>(1, (voxels + enough - 1) / enough);
-}
-
-MapStatistics statisticsOf(const octomap::OcTree& map) {
-  MapStatistics s;
-  double entropy_occupied = 0, entropy_free = 0;
-  RememberedFunction entropy(
-      [](float log_odds) { return binaryEntropy(octomap::probability(log_odds)); });
-  forEachLeaf(map, [&](const OcTreeCube& leaf, const auto& node) {
-    const size_t side = leaf.side(), n = side * side * side;
-    const double h = static_cast<double>(n) * entropy(node.getLogOdds());
-    if (map.isNodeOccupied(node)) {
-      s.occupied += n;
-      entropy_occupied += h;
-    } else {
-      s.free += n;
-      entropy_free += h;
-    }
-  });
-  if (s.occupied) s.mean_entropy_occupied = entropy_occupied / static_cast<double>(s.occupied);
-  if (s.occupied + s.free)
-    s.mean_entropy_known =
-        (entropy_occupied + entropy_free) / static_cast<double>(s.occupied + s.free);
-  return s;
-}
-
-double binaryEntropy(double p) {
-  if (p <= 0 || p >= 1) return 0;
-  return -p * std::log(p) - (1 - p) * std::log1p(-p);
 }
 
 }  // namespace mrpt::fusion

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Converts poses and covariances, and turns priors into searches. */
 #include <mrpt/core/exceptions.h>
 #include <mrpt/fusion/poses.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "fusion_core/registration/normal_equations.h"
 
 using namespace mrpt::fusion;
 using mrpt::poses::CPose3D;
@@ -29,39 +33,52 @@ Matrix6d mrpt::fusion::toYawPitchRollCovariance(const Matrix6d& covariance,
   Eigen::Matrix3d w_of_angles;
   w_of_angles << Eigen::Vector3d::UnitZ(), Rz.col(1), (Rz * Ry).col(0);
   const Eigen::Vector3d t = T.translation();
-  Eigen::Matrix3d minus_t_cross;
-  minus_t_cross << 0, t.z(), -t.y(), -t.z(), 0, t.x(), t.y(), -t.x(), 0;
   Matrix6d J = Matrix6d::Zero();
   J.topLeftCorner<3, 3>().setIdentity();
-  J.topRightCorner<3, 3>() = minus_t_cross;
+  J.topRightCorner<3, 3>() = -skew(t);
   J.bottomRightCorner<3, 3>() = w_of_angles.inverse();
   return J * covariance * J.transpose();
 }
 
-namespace {
-constexpr double kEverywhere = 1000;  // m
-}  // namespace
+mrpt::poses::CPose3DPDFGaussian mrpt::fusion::noGuess() {
+  mrpt::poses::CPose3DPDFGaussian prior;
+  prior.cov.setDiagonal(6, kUnknownPoseSigma * kUnknownPoseSigma);
+  return prior;
+}
 
-SearchParams mrpt::fusion::searchWithin(const mrpt::poses::CPose3DPDFGaussian& prior,
-                                        const SearchParams& configured) {
-  const auto& cov = prior.cov;
-  ASSERTMSG_(cov.asEigen().allFinite() && cov.asEigen().diagonal().minCoeff() >= 0,
-             "the covariance of the initial guess is none");
-  if (configured.translation <= 0 || cov.asEigen().isZero(0)) return configured;
+Prior Prior::none() { return {noGuess(), Checked()}; }
+
+Prior Prior::near(const CPose3D& guess) {
+  return {mrpt::poses::CPose3DPDFGaussian(guess), Checked()};
+}
+
+Prior Prior::gaussian(const mrpt::poses::CPose3DPDFGaussian& guess) {
+  ASSERTMSG_(guess.cov.asEigen().allFinite() && guess.cov.asEigen().diagonal().minCoeff() >= 0,
+             "the covariance of the initial guess is not finite or has a negative variance");
+  return {guess, Checked()};
+}
+
+namespace {
+
+/** Largest standard deviation of a position in the plane, m. */
+double planeSigma(const mrpt::poses::CPose3DPDFGaussian& guess) {
+  const auto& cov = guess.cov;
   const double half_sum = 0.5 * (cov(0, 0) + cov(1, 1));
   const double largest =
       half_sum + std::hypot(0.5 * (cov(0, 0) - cov(1, 1)), 0.5 * (cov(0, 1) + cov(1, 0)));
-  SearchParams search = configured;
-  search.translation = kSearchSigmas * std::sqrt(largest);
-  if (search.translation >= kEverywhere) return everywhere(configured);
-  search.translation = std::max(search.translation, configured.cell);
-  search.height = kSearchSigmas * std::sqrt(cov(2, 2));
-  search.yaw = std::min(kSearchSigmas * std::sqrt(cov(3, 3)), M_PI);
-  return search;
+  return std::sqrt(largest);
 }
 
-mrpt::poses::CPose3DPDFGaussian mrpt::fusion::noGuess() {
-  mrpt::poses::CPose3DPDFGaussian prior;
-  prior.cov.setDiagonal(6, kEverywhere * kEverywhere);
-  return prior;
+}  // namespace
+
+bool Prior::isNone() const { return kSearchSigmas * planeSigma(guess_) >= kUnknownPoseSigma; }
+
+SearchParams Prior::searchWithin(const SearchParams& configured) const {
+  if (configured.translation <= 0 || guess_.cov.asEigen().isZero(0)) return configured;
+  if (isNone()) return everywhere(configured);
+  SearchParams search = configured;
+  search.translation = std::max(kSearchSigmas * planeSigma(guess_), configured.cell);
+  search.height = kSearchSigmas * std::sqrt(guess_.cov(2, 2));
+  search.yaw = std::min(kSearchSigmas * std::sqrt(guess_.cov(3, 3)), M_PI);
+  return search;
 }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <mrpt/fusion/edges.h>
+#include <mrpt/fusion/match_result.h>
+#include <mrpt/fusion/registration_params.h>
 #include <mrpt/fusion/voxels.h>
 
 #include <Eigen/Geometry>
@@ -9,38 +11,26 @@
 #include <memory>
 #include <vector>
 
+#include "fusion_core/map/voxel_blocks.h"
+
 /** \file
- * The paper's Sec. IV-B: which voxel of the scene belongs to which of the model.
+ * The paper's Sec. IV-B: which voxel of B belongs to which voxel of A.
  *
- * The model is map A, the scene is map B; the scene is moved by T_a_b. */
+ * A is the paper's model, B its scene; B is moved by T_a_b. */
 
 namespace mrpt::fusion {
 
-/** A scene voxel and the model voxel nearest to it by descriptor. */
-struct Pair {
-  uint32_t model;          ///< index into the model's voxels
-  uint32_t scene;          ///< index into the scene's
-  float squared_distance;  ///< between the centres, Euclidean, m^2
-};
-using Pairs = std::vector<Pair>;  ///< one for a scene voxel at most
-
 /** Eq. (15): mean of -p ln p over the voxels of both maps, nats: the uncertainty of the occupancy
  * probabilities. One term of Shannon's entropy, as published: largest at p = 1/e, 0 at p = 1. */
-double occupancyUncertainty(const std::vector<float>& model_probability,
-                            const std::vector<float>& scene_probability);
+double occupancyUncertainty(const std::vector<float>& probability_a,
+                            const std::vector<float>& probability_b);
 
 /** Eq. (16): mean of lambda_3 / (lambda_1 + lambda_2 + lambda_3) over the edges of both maps; 1 for
  * perfect lines, 1/3 for no direction at all. */
-double structuralUncertainty(const EdgeVoxels& model, const EdgeVoxels& scene);
+double structuralUncertainty(const EdgeVoxels& a, const EdgeVoxels& b);
 
 /** Mean squared Euclidean distance of the pairs (the paper's MSE), m^2; 0 for none. */
 double meanSquaredError(const Pairs& pairs);
-
-/** The factors of eqs. (19)-(20), not given in the paper. */
-struct WeightParams {
-  double k1 = 0.1;  ///< of the occupancy distance
-  double k2 = 1.0;  ///< of the direction distance
-};
 
 /** Weights of the squared occupancy and direction differences beside the squared distance, m^2. */
 struct DescriptorWeights {
@@ -55,42 +45,42 @@ struct DescriptorWeights {
 DescriptorWeights descriptorWeights(double mse, double H_m, double lambda_tau,
                                     const WeightParams& params);
 
-/** Finds pairs by eq. (14): the 4-D descriptor {x, y, z, p}. Built once for a model, which must
+/** Finds pairs by eq. (14): the 4-D descriptor {x, y, z, p}. Built once for a map A, which must
  * outlive it; building is O(n), associating costs what lies within the pairs' distances. On all
  * cores with the same result for any number of them. The gate is on the square root of the eq.'s
  * distance, in metres (Table I). */
 class VoxelAssociation {
  public:
-  /** \param[in] model Not owned, must outlive this. */
-  explicit VoxelAssociation(const OccupiedVoxels& model);
+  /** \param[in] a Not owned, must outlive this. */
+  explicit VoxelAssociation(const OccupiedVoxels& a);
   /** \overload
-   * With \a blocks of the model's keys, not owned either: saves building them. */
-  VoxelAssociation(const OccupiedVoxels& model, const VoxelBlocks& blocks);
+   * With \a blocks of A's keys, not owned either: saves building them. */
+  VoxelAssociation(const OccupiedVoxels& a, const VoxelBlocks& blocks);
   ~VoxelAssociation();
   VoxelAssociation(VoxelAssociation&&) noexcept;  ///< the other can but be destroyed
 
   /** Makes ready for gates up to this one, m. */
   void prepare(double gate);
 
-  /** What was found for a scene voxel. */
+  /** What was found for a voxel of B. */
   struct Partner {
-    uint32_t model = ~uint32_t{0};                    ///< the largest number: none
-    float others = -1;                                ///< all other model voxels are as far, m
+    uint32_t a = ~uint32_t{0};                        ///< the largest number: none
+    float others = -1;                                ///< all other voxels of A are as far, m
     Eigen::Vector3f place = Eigen::Vector3f::Zero();  ///< from there, m, A's frame
   };
-  using Partners = std::vector<Partner>;  ///< of each scene voxel; empty at first
-  /** The nearest model voxel by eq. (14) of each scene voxel, if it is near enough.
-   * \param[in] scene Map B's voxels. \param[in] T_a_b Pose of map B in A's frame.
+  using Partners = std::vector<Partner>;  ///< of each voxel of B; empty at first
+  /** The nearest voxel of A by eq. (14) of each voxel of B, if it is near enough.
+   * \param[in] b Map B's voxels. \param[in] T_a_b Pose of map B in A's frame.
    * \param[in] weights Of the descriptor's parts. \param[in] gate Largest distance, m.
-   * \param[in] among The pairs whose scene voxels to pair; null: all.
-   * \param[in,out] last Of the same scene at a pose nearby: saves time, changes nothing. */
-  Pairs associate(const OccupiedVoxels& scene, const Eigen::Isometry3d& T_a_b,
+   * \param[in] among The pairs whose voxels of B to pair; null: all.
+   * \param[in,out] last Of the same voxels of B at a pose nearby: saves time, changes nothing. */
+  Pairs associate(const OccupiedVoxels& b, const Eigen::Isometry3d& T_a_b,
                   const DescriptorWeights& weights, double gate, const Pairs* among = nullptr,
                   Partners* last = nullptr);
   /** \overload
    * By several threads at once, each with partners of its own. \exception std::logic_error If the
    * gate is wider than what has been prepared for. */
-  Pairs associate(const OccupiedVoxels& scene, const Eigen::Isometry3d& T_a_b,
+  Pairs associate(const OccupiedVoxels& b, const Eigen::Isometry3d& T_a_b,
                   const DescriptorWeights& weights, double gate, const Pairs* among = nullptr,
                   Partners* last = nullptr) const;
 
@@ -104,13 +94,13 @@ class VoxelAssociation {
  * VoxelAssociation. */
 class EdgeAssociation {
  public:
-  /** \param[in] model Not owned, must outlive this. */
-  explicit EdgeAssociation(const EdgeVoxels& model);
+  /** \param[in] a Not owned, must outlive this. */
+  explicit EdgeAssociation(const EdgeVoxels& a);
   ~EdgeAssociation();
   EdgeAssociation(EdgeAssociation&&) noexcept;  ///< the other can but be destroyed
 
-  /** The nearest model voxel by eq. (13), as VoxelAssociation::associate(). */
-  Pairs associate(const EdgeVoxels& scene, const Eigen::Isometry3d& T_a_b,
+  /** The nearest voxel of A by eq. (13), as VoxelAssociation::associate(). */
+  Pairs associate(const EdgeVoxels& b, const Eigen::Isometry3d& T_a_b,
                   const DescriptorWeights& weights, double gate, const Pairs* among = nullptr);
 
  private:

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mrpt/fusion/evaluation.h>
+/** \file
+ * The evidence for and against a match, and the verdict that follows. */
+#include "fusion_core/verdict/evaluation.h"
 
 #include <algorithm>
 #include <array>
@@ -7,6 +9,8 @@
 #include <cstdio>
 
 #include "fusion_base/parallel.h"
+#include "fusion_core/map/occupancy_query.h"
+#include "fusion_core/registration/pose_covariance.h"
 
 namespace mrpt::fusion {
 namespace {
@@ -49,45 +53,33 @@ double coarseningTo(double size, const OccupiedVoxels& voxels) {
 
 }  // namespace
 
-double mahalanobisDistance(double squared_distance, double p_model, double p_scene) {
-  return std::sqrt(squared_distance / (1 / p_model + 1 / p_scene));
+double mahalanobisDistance(double squared_distance, double p_a, double p_b) {
+  return std::sqrt(squared_distance / (1 / p_a + 1 / p_b));
 }
 
-double overlapOf(double matches, double model_voxels, double scene_voxels) {
-  if (model_voxels == 0 || scene_voxels == 0) return 0;
-  return 0.5 * (std::min(matches / scene_voxels, 1.0) + std::min(matches / model_voxels, 1.0));
+double overlapOf(double matches, double voxels_a, double voxels_b) {
+  if (voxels_a == 0 || voxels_b == 0) return 0;
+  return 0.5 * (std::min(matches / voxels_b, 1.0) + std::min(matches / voxels_a, 1.0));
 }
 
-double acceptanceThreshold(double overlap) { return std::clamp(0.9 - overlap / 2, 0.6, 0.8); }
-
-double probabilityOfBeingRight(double overlap, double conflict_ratio, double runner_up,
-                               double inlier_ratio) {
-  constexpr double kLeastOverlap = 1e-3;
-  const double log_odds = -15.57 + 1.845 * std::log(std::max(overlap, kLeastOverlap)) -
-                          29.31 * conflict_ratio - 8.085 * runner_up + 22.91 * inlier_ratio;
-  return 1 / (1 + std::exp(-log_odds));
+double acceptanceThreshold(double overlap, const EvaluationParams& params) {
+  return std::clamp(params.threshold_without_overlap - overlap * params.threshold_per_overlap,
+                    params.min_threshold, params.max_threshold);
 }
 
-double probabilityOfStaying(const PoseDeviation& deviation) {
+double probabilityOfStaying(const PoseDeviation& deviation, const PoseTolerance& tolerance) {
   const auto within = [](double limit, double sigma) {
     return sigma > 0 ? std::erf(limit / (std::sqrt(2.0) * sigma)) : 1;
   };
-  return within(0.6, deviation.translation) * within(6 * M_PI / 180, deviation.rotation);
+  return within(tolerance.translation, deviation.translation) *
+         within(tolerance.rotation, deviation.rotation);
 }
 
-Finding findingAt(const MapVoxels& map, const Eigen::Vector3d& p) {
-  static const VoxelBlocks::Ball beside(1.8);  // the 26 voxels around one
-  octomap::OcTreeKey key;
-  if (!map.map->coordToKeyChecked(p.x(), p.y(), p.z(), key)) return Finding::Unknown;
-  if (map.occupied.anyAround({key[0], key[1], key[2]}, beside)) return Finding::Agrees;
-  return map.free.has(key) ? Finding::Conflicts : Finding::Unknown;
-}
-
-FreeSpaceCheck checkFreeSpace(const MapVoxels& model, const OccupiedVoxels& scene,
-                              const Eigen::Isometry3d& T_model_scene, size_t stride) {
-  std::vector<Finding> findings((scene.size() + stride - 1) / stride);
+FreeSpaceCheck checkFreeSpace(const MapVoxels& a, const OccupiedVoxels& b,
+                              const Eigen::Isometry3d& T_a_b, size_t stride) {
+  std::vector<Finding> findings((b.size() + stride - 1) / stride);
   forEachIndex(findings.size(), kGrain, [&](size_t i) {
-    findings[i] = findingAt(model, T_model_scene * scene.centre[stride * i].cast<double>());
+    findings[i] = findingAt(a, T_a_b * b.centre[stride * i].cast<double>());
   });
   const auto count = [&](Finding f) {
     return static_cast<size_t>(std::count(findings.begin(), findings.end(), f));
@@ -97,10 +89,10 @@ FreeSpaceCheck checkFreeSpace(const MapVoxels& model, const OccupiedVoxels& scen
 
 Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pairs,
                          const Eigen::Isometry3d& T_a_b, const EvaluationParams& params,
-                         double runner_up, const PoseDeviation& deviation, size_t enough) {
+                         double runner_up, const PoseDeviation& deviation) {
   Evaluation e;
-  const size_t stride_a = strideFor(a.voxels.size(), enough),
-               stride_b = strideFor(b.voxels.size(), enough);
+  const size_t stride_a = strideFor(a.voxels.size(), params.voxels),
+               stride_b = strideFor(b.voxels.size(), params.voxels);
   e.asked = (b.voxels.size() + stride_b - 1) / stride_b;
   e.pairs = pairs.size();
   // Both in voxels of the larger size: a wall counts no more for being of many small ones.
@@ -110,11 +102,11 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
   e.overlap = overlapOf(counted_b * static_cast<double>(pairs.size()),
                         counted_a * static_cast<double>(a.voxels.size()),
                         counted_b * static_cast<double>(e.asked));
-  e.threshold = acceptanceThreshold(e.overlap);
+  e.threshold = acceptanceThreshold(e.overlap, params);
   double sum = 0;
   for (const Pair& p : pairs) {
-    const double d = mahalanobisDistance(p.squared_distance, a.voxels.probability[p.model],
-                                         b.voxels.probability[p.scene]);
+    const double d = mahalanobisDistance(p.squared_distance, a.voxels.probability[p.a],
+                                         b.voxels.probability[p.b]);
     sum += d;
     e.log_likelihood -= d * d;
     if (d < params.inlier_mahalanobis) e.inliers++;
@@ -157,15 +149,14 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
     judge(!has_rival, agrees + "at most " + percent(params.max_runner_up) + " may",
           agrees + "more than " + percent(params.max_runner_up));
   }
-  constexpr double kHeld = 0.95;
   e.deviation = deviation;
-  const double stays = probabilityOfStaying(deviation);
+  const double stays = probabilityOfStaying(deviation, params.tolerance);
   const auto probabilityWith = [&](double rival) {
-    return stays * probabilityOfBeingRight(e.overlap, conflict, rival, e.inlier_ratio);
+    return stays * params.model.probability(e.overlap, conflict, rival, e.inlier_ratio);
   };
   e.probability = probabilityWith(runner_up);
   e.is_ambiguous = is_well && has_rival && probabilityWith(0) >= params.min_probability;
-  if (stays < kHeld)
+  if (stays < params.held_probability)
     e.reasons.push_back("what the maps share does not hold map B in place: " + slack(deviation));
   if (params.min_probability > 0)
     judge(e.probability >= params.min_probability,
@@ -173,6 +164,14 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
           "the pose is right with a probability of " + percent(e.probability) + ", below " +
               percent(params.min_probability));
   return e;
+}
+
+Evaluation judge(const MapFeatures& a, const MapFeatures& b, const MatchResult& match,
+                 const EvaluationParams& params) {
+  if (isEmpty(a, b)) return evaluateMatch(a, b, {}, match.T_a_b, params);
+  return evaluateMatch(
+      a, b, match.pairs, match.T_a_b, params, match.runnerUp(),
+      deviationAt(match.covariance, match.T_a_b * meanOf(b.matched.voxels.centre)));
 }
 
 }  // namespace mrpt::fusion

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Grows one map by the maps that can be trusted to meet it. */
 #include <mrpt/core/exceptions.h>
 #include <mrpt/fusion/many_maps.h>
-#include <mrpt/fusion/poses.h>
 
 #include <algorithm>
 #include <optional>
@@ -11,12 +12,12 @@
 namespace mrpt::fusion {
 namespace {
 
-/** Where a map is said to be, in the frame of another. */
-mrpt::poses::CPose3DPDFGaussian priorOf(const RobotMap& map, const RobotMap& in) {
-  const auto unknown = noGuess();
+/** What is known of a map's frame in the frame of another map. */
+Prior priorOf(const RobotMap& map, const RobotMap& in) {
+  const double unknown = kUnknownPoseSigma * kUnknownPoseSigma;
   for (const auto& cov : {map.pose.cov, in.pose.cov})
-    if (cov(0, 0) >= unknown.cov(0, 0)) return unknown;
-  return map.pose - in.pose;
+    if (cov(0, 0) >= unknown) return Prior::none();
+  return Prior::gaussian(map.pose - in.pose);
 }
 
 /** The growth of one map by others. */
@@ -24,51 +25,66 @@ class Growth {
  public:
   Growth(const std::vector<RobotMap>& maps, const Options& options, const OnMember& on_member,
          const OnIteration& on_iteration)
-      : maps_(maps), options_(options), on_member_(on_member), on_iteration_(on_iteration) {
+      : maps_(maps),
+        options_(options),
+        on_member_(on_member),
+        on_iteration_(on_iteration),
+        is_matched_(maps.size(), std::vector<bool>(maps.size(), false)) {
     for (const auto& m : maps_) result_.members.emplace_back().robot = m.robot;
-    const auto first =
-        std::find_if(maps_.begin(), maps_.end(), [](const auto& m) { return !m.map.edges; });
+    const auto first = std::find_if(maps_.begin(), maps_.end(),
+                                    [](const auto& m) { return !m.map.isEdgesAlone(); });
     ASSERTMSG_(first != maps_.end(), "fuseMaps(): there is no map but edges");
-    first_ = static_cast<size_t>(first - maps_.begin());
-    result_.members[first_].joined = true;
+    const auto i = static_cast<size_t>(first - maps_.begin());
+    result_.members[i].joined = true;
+    joined_.push_back(i);
   }
 
   ManyFused run(bool even_rejected) {
     while (const auto next = mostProbable(even_rejected)) join(*next);
     for (size_t i = 0; i < maps_.size(); i++)
-      if (maps_[i].map.edges) match(i);
-    if (!result_.map) result_.map = std::make_unique<octomap::OcTree>(joinedMap());
+      if (maps_[i].map.isEdgesAlone()) matchWithJoined(i);
+    if (!result_.map)
+      result_.map = std::make_unique<octomap::OcTree>(maps_[joined_.front()].map.wholeMap());
     return std::move(result_);
   }
 
  private:
-  const octomap::OcTree& joinedMap() const {
-    return result_.map ? *result_.map : *maps_[first_].map.octree;
-  }
-
-  void match(size_t i) {
-    FusionMember& member = result_.members[i];
-    if (on_member_) {
-      const auto joined = std::count_if(result_.members.begin(), result_.members.end(),
-                                        [](const auto& m) { return m.joined; });
-      on_member_(member.robot, static_cast<size_t>(joined));
+  /** Matches a map with all that have joined; its member keeps the best match. */
+  void matchWithJoined(size_t i) {
+    for (const size_t j : joined_) {
+      if (is_matched_[i][j]) continue;
+      is_matched_[i][j] = true;
+      if (on_member_) on_member_(maps_[i].robot, joined_.size());
+      withPath(maps_[i].robot, [&] {
+        Alignment match =
+            align(maps_[j].map, maps_[i].map, priorOf(maps_[i], maps_[j]), options_, on_iteration_);
+        if (isBetter(match, result_.members[i])) keep(std::move(match), i, j);
+      });
     }
-    withPath(member.robot, [&] {
-      member.info = align({&joinedMap(), nullptr}, maps_[i].map, priorOf(maps_[i], maps_[first_]),
-                          options_, on_iteration_);
-    });
-    member.pose = member.info.pose;
   }
 
-  /** Of the matches that may join. */
+  static bool isBetter(const Alignment& match, const FusionMember& than) {
+    const auto rank = [](const Evaluation& e) { return std::pair(e.accepted, e.probability); };
+    return !than.hasMatch() || rank(match.evaluation) > rank(than.match.evaluation);
+  }
+
+  void keep(Alignment match, size_t i, size_t j) {
+    FusionMember& member = result_.members[i];
+    member.match = std::move(match);
+    member.matched_with = maps_[j].robot;
+    const bool is_first = j == joined_.front();
+    member.pose = is_first ? member.match.pose() : result_.members[j].pose + member.match.pose();
+  }
+
+  /** The map with the most probable match that may join. */
   std::optional<size_t> mostProbable(bool even_rejected) {
     std::optional<size_t> best;
     for (size_t i = 0; i < maps_.size(); i++) {
-      if (result_.members[i].joined || maps_[i].map.edges) continue;
-      match(i);
-      const auto& e = result_.members[i].info.evaluation;
+      if (result_.members[i].joined || maps_[i].map.isEdgesAlone()) continue;
+      matchWithJoined(i);
+      const Evaluation& e = result_.members[i].match.evaluation;
       if ((e.accepted || even_rejected) &&
-          (!best || e.probability > result_.members[*best].info.evaluation.probability))
+          (!best || e.probability > result_.members[*best].match.evaluation.probability))
         best = i;
     }
     return best;
@@ -76,16 +92,20 @@ class Growth {
 
   void join(size_t i) {
     FusionMember& member = result_.members[i];
+    const octomap::OcTree& so_far =
+        result_.map ? *result_.map : maps_[joined_.front()].map.wholeMap();
     result_.map =
-        mergeMaps(joinedMap(), *maps_[i].map.octree, toEigen(member.pose.mean), options_.merge);
+        mergeMaps(so_far, maps_[i].map.wholeMap(), toEigen(member.pose.mean), options_.merge);
     member.joined = true;
+    joined_.push_back(i);
   }
 
   const std::vector<RobotMap>& maps_;
   const Options& options_;
   const OnMember& on_member_;
   const OnIteration& on_iteration_;
-  size_t first_ = 0;
+  std::vector<std::vector<bool>> is_matched_;  // by both maps' numbers
+  std::vector<size_t> joined_;                 // in their order; the first keeps its frame
   ManyFused result_;
 };
 

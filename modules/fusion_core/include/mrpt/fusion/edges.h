@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <mrpt/fusion/export.h>
 #include <mrpt/fusion/voxels.h>
 
 #include <Eigen/Core>
 #include <vector>
-
-#include "fusion_core/features/uncertainty.h"
-#include "fusion_core/map/voxel_blocks.h"
 
 /** \file
  * The paper's Algorithm 1: structural edge voxels. */
@@ -35,11 +33,35 @@ struct EdgeParams {
   /** Walks leave across the edge that the normals around a voxel suggest, up to this far to either
    * side of that direction, and along it; rad (30 deg). The paper: in all directions, 90 deg. */
   double trace_window = 0.5235987755982988;
+  /** Walks beside that direction are tried only where the walks straight across make an angle at
+   * most this far outside of the window, rad (20 deg). What is far from a bend straight across is
+   * an edge to the side only by chance. */
+  double trace_beside = 0.3490658503988659;
   double alpha_min = 1.3962634015954636;  ///< angle window of the two traces, rad (80 deg)
   double alpha_max = 1.7453292519943295;  ///< rad (100 deg)
   unsigned outlier_neighbours = 8;  ///< neighbours whose mean distance tells an outlier (line 23)
   double outlier_deviations = 1.0;  ///< kept up to this many standard deviations above the mean
   double direction_radius = 0.5;    ///< of the edge voxels that make Sigma_tau, eq. (6), m
+};
+
+/** In what unit eq. (4)'s p^-1 stands beside eq. (6)'s square metres. */
+enum class VoxelCovariance {
+  Plain,        ///< as published: p^-1 square metres, whatever the voxel's size
+  Quantisation  ///< p^-1 times the variance of a uniform position in the voxel, d_m^2 / 12
+};
+
+/** Eq. (6): the spatial covariance of the edge voxels around one, by its eigen-decomposition. */
+struct EdgeCovariance {
+  Eigen::Vector3d eigenvalues = Eigen::Vector3d::Zero();       ///< ascending, m^2
+  Eigen::Matrix3d eigenvectors = Eigen::Matrix3d::Identity();  ///< columns, same order
+
+  /** The edge direction tau, a unit vector of arbitrary sign. */
+  Eigen::Vector3d direction() const { return eigenvectors.col(2); }
+  /** One edge's term of eq. (16): 1 on a perfect line, 1/3 where no direction stands out. */
+  double linearity() const;
+  /** The covariance with \a floor_variance (m^2) added along each axis: the neighbourhood of a
+   * perfect line has no extent across it, but its voxels have. */
+  Eigen::Matrix3d matrix(double floor_variance) const;
 };
 
 /** The edge voxels of a map, as parallel arrays. */
@@ -53,60 +75,9 @@ struct EdgeVoxels {
   size_t size() const { return centre.size(); }  ///< number of voxels
 };
 
-/** The pieces of surface that a map's voxels are, one per voxel. */
-struct Surfaces {
-  /** Unit normal, of arbitrary sign: the least principal component of the occupied voxels within
-   * r_N. Fewer than three of them, all on a line, or no plane among them: a zero vector. */
-  std::vector<Eigen::Vector3f> normal;
-  /** The voxel's centre moved along its normal onto the plane through those voxels (not in the
-   * paper): where the surface is within the voxel, m. The centre itself if there is no normal. */
-  std::vector<Eigen::Vector3f> point;
-  /** Surface variation lambda_3 / (lambda_1 + lambda_2 + lambda_3), [0, 1/3]; 0 without a normal.
-   */
-  std::vector<float> variation;
-  /** Of how many voxels each speaks: 1, unless it was chosen to stand for those around it. */
-  std::vector<float> weight;
-};
-
-/** Lines 2-6. \param[in] voxels Those to tell of. \param[in] occupied All of the map's, their
- * neighbours. \param[in] params Radii. O(voxels * neighbours). */
-Surfaces computeSurfaces(const OccupiedVoxels& voxels, const VoxelBlocks& occupied,
-                         const EdgeParams& params);
-/** \overload
- * For all of a map's voxels. */
-Surfaces computeSurfaces(const OccupiedVoxels& voxels, const EdgeParams& params);
-
-/** Eq. (5) for each voxel: the mean |n_j x n_i| over its neighbours, in [0,1]. */
-std::vector<float> computeAngleCosts(const OccupiedVoxels& voxels,
-                                     const std::vector<Eigen::Vector3f>& normals,
-                                     const EdgeParams& params);
-
-/** Pieces of surface: voxels, and what computeSurfaces() says of each. */
-struct SurfaceVoxels {
-  OccupiedVoxels voxels;  ///< m, map frame
-  Surfaces surfaces;      ///< one for each
-};
-
-/** All of Algorithm 1, and eq. (6) for what it finds.
- * Deterministic, whatever the number of threads.
- * \param[in] voxels All of the map's. \param[in] occupied The same, to walk on.
- * \param[in] pieces Some of them, spread evenly, whose normals eq. (5) compares: each stands for as
- * many of the voxels as its weight says, which follow each other.
- * \param[in] candidates Indices of the pieces to look in: of the voxels that one stands for at most
- * one is an edge, the one where the surface bends most. \param[in] params All of it. */
-EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const VoxelBlocks& occupied,
-                        const SurfaceVoxels& pieces, const std::vector<uint32_t>& candidates,
-                        const EdgeParams& params);
-/** \overload
- * For all of a map's voxels. */
-EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const EdgeParams& params);
-
-/** Eq. (6) for edge voxels that are known: each one's covariance from those around it.
- * O(edges * neighbours).
- * \param[in] at Their finest-level octree keys, distinct. \param[in] probability Of each.
- * \param[in] grid An octree of their resolution. \param[in] direction_radius How far around, m; at
- * least 3 and at most 64 voxels are kept to. */
-EdgeVoxels edgeVoxelsAt(const std::vector<octomap::OcTreeKey>& at, std::vector<float> probability,
-                        const octomap::OcTree& grid, double direction_radius);
+/** All of Algorithm 1, and eq. (6) for the edges that it finds.
+ * Deterministic, whatever the number of threads. O(voxels * neighbours).
+ * \param[in] voxels All occupied voxels of a map. \param[in] params All of it. */
+MRPT_FUSION_API EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const EdgeParams& params);
 
 }  // namespace mrpt::fusion

@@ -1,37 +1,92 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <mrpt/fusion/voxels.h>
+#include <mrpt/fusion/export.h>
+#include <mrpt/fusion/match_result.h>
 
-#include <Eigen/Geometry>
-#include <cstdint>
+#include <cstddef>
 #include <string>
 #include <vector>
-
-#include "fusion_core/registration/optimization.h"
 
 /** \file
  * The paper's Sec. V-A: can a match be trusted? */
 
 namespace mrpt::fusion {
 
-/** What a match must be like to be accepted. */
-struct EvaluationParams {
-  double inlier_mahalanobis = 0.2;  ///< a pair below this distance (not squared) is an inlier
-  double max_free_conflict = 0.10;  ///< largest share of voxels found in the other's free space
-  double min_overlap = 0.02;        ///< least overlap; below it there is nothing to judge by
-  /** Largest agreement of another pose, as a share of that of the pose found. */
-  double max_runner_up = 0.75;
-  double min_probability = 0.85;  ///< of being right, see probabilityOfBeingRight()
-  /** A match from a guess that is accepted with less than this probability is compared with all
-   * other poses, see judgeMatch(). 0: never. */
-  double sure_probability = 0.985;
+/** How far from the truth a pose may be to count as right: the paper's criterion of success. */
+struct PoseTolerance {
+  double translation = 0.6;               ///< m
+  double rotation = 0.10471975511965977;  ///< rad (6 deg)
 };
 
-/** Voxels that one map has occupied, at their place in the other map. */
+/** How a verdict's probability follows from its evidence: a logistic regression on matches of
+ * simulated buildings, see doc/decisions/025-probability.md. scripts/fit_verdict.py fits it. */
+struct VerdictModel {
+  unsigned version = 1;            ///< Version of the fit
+  double constant = -15.57;        ///< Log-odds without any evidence
+  double log_overlap = 1.845;      ///< Log-odds per natural logarithm of the overlap
+  double conflict_ratio = -29.31;  ///< Log-odds per share of obstacles in the other's free space
+  double runner_up = -8.085;    ///< Log-odds per agreement of the best other pose over this pose's
+  double inlier_ratio = 22.91;  ///< Log-odds per share of inliers
+  double min_overlap = 1e-3;    ///< Overlaps below this count as this
+
+  /** The probability that a pose is right within PoseTolerance, from four measures in [0,1]:
+   * overlap, eq. (25), share of obstacles in the other map's free space, agreement of the best
+   * other pose over that of this pose, and inlier ratio. Not in the paper, whose test a shift by a
+   * row of pillars passes. */
+  MRPT_FUSION_API double probability(double overlap, double conflict_ratio, double runner_up,
+                                     double inlier_ratio) const;
+};
+
+/** How well two maps agree at a pose: settings of agreement(). */
+struct AgreementParams {
+  double tolerance = 0.02;    ///< Share of conflicts that leaves 1/e of the agreement
+  double other_side = 0.05;   ///< Weight of an obstacle that is seen from the other side, [0,1]
+  double front_voxels = 2.5;  ///< Distance of the free space before an obstacle, in voxels
+};
+
+/** Settings of the comparison of hypotheses: how many poses, by how many voxels, how finely. */
+struct RankingParams {
+  size_t few_voxels = 250;     ///< Voxels of each map for all poses, if there are many
+  size_t many_voxels = 1000;   ///< Voxels of each map for the best poses
+  size_t max_starts = 24;      ///< Most poses compared by many_voxels
+  size_t rival_voxels = 5000;  ///< Voxels of each map for rivals: poses differ by more than chance
+  size_t max_rivals = 4;       ///< Most poses compared by rival_voxels
+  double min_rival_agreement = 0.05;   ///< Least agreement of a rival over that of the best pose
+  unsigned max_iterations = 15;        ///< Most iterations for a pose that is compared
+  double min_step_translation = 0.01;  ///< A comparison has converged below this step, m,
+  double min_step_rotation = 0.002;    ///< and below this step, rad
+  /** A pose that all voxels moved by more than this share of PoseTolerance is compared again. */
+  double moved_share = 1.0 / 3;
+  AgreementParams agreement;  ///< What the comparison is by
+};
+
+/** What a match must be like to be accepted. */
+struct EvaluationParams {
+  size_t voxels =
+      15000;  ///< Voxels of each map that are asked, spread evenly; 0: all, as published
+  double inlier_mahalanobis = 0.2;  ///< A pair below this distance (not squared) is an inlier
+  double max_free_conflict = 0.10;  ///< Largest share of obstacles in the other map's free space
+  double min_overlap = 0.02;        ///< Least overlap; below it there is nothing to judge by
+  /** Largest agreement of another pose, as a share of that of the pose found. */
+  double max_runner_up = 0.75;
+  double min_probability = 0.85;  ///< Least probability of being right
+  /** A match from a guess that is accepted with less than this probability is compared with all
+   * other poses, see verify(). 0: never. */
+  double sure_probability = 0.985;
+  double threshold_without_overlap = 0.9;  ///< Inlier threshold at no overlap, before its limits
+  double threshold_per_overlap = 0.5;      ///< Decrease of the inlier threshold with the overlap
+  double min_threshold = 0.6;              ///< Least inlier threshold
+  double max_threshold = 0.8;              ///< Largest inlier threshold
+  double held_probability = 0.95;  ///< Least probability of staying in place that needs no remark
+  PoseTolerance tolerance;         ///< What counts as right
+  VerdictModel model;              ///< From evidence to probability
+};
+
+/** Voxels of one map that are occupied, at their place in the other map. */
 struct FreeSpaceCheck {
-  size_t agreeing = 0;     ///< the other has them occupied too, or a neighbouring voxel
-  size_t conflicting = 0;  ///< the other has seen that place and all around it free of obstacles
+  size_t agreeing = 0;     ///< Occupied in the other map too, there or in a neighbouring voxel
+  size_t conflicting = 0;  ///< Seen free in the other map, with all around it free of obstacles
   /** Share that conflicts, [0,1]; 0 if there are none. */
   double conflictRatio() const {
     const size_t n = agreeing + conflicting;
@@ -39,81 +94,29 @@ struct FreeSpaceCheck {
   }
 };
 
-/** What evaluateMatch() found. */
+/** The verdict on a match, with its evidence. */
 struct Evaluation {
-  size_t asked = 0;             ///< voxels of map B that were to be paired
-  size_t pairs = 0;             ///< of them that were: N_match, if all were asked
-  size_t inliers = 0;           ///< pairs below EvaluationParams::inlier_mahalanobis
+  size_t asked = 0;             ///< Voxels of map B that were to be paired
+  size_t pairs = 0;             ///< Number of these that were paired: N_match, if all were asked
+  size_t inliers = 0;           ///< Pairs below EvaluationParams::inlier_mahalanobis
   double overlap = 0;           ///< Theta, eq. (25), [0,1]
-  double inlier_ratio = 0;      ///< inliers / pairs
-  double threshold = 1;         ///< least inlier ratio that is accepted, from Theta
-  double mean_mahalanobis = 0;  ///< of the pairs
-  double log_likelihood = 0;    ///< log of eq. (23)
-  FreeSpaceCheck free_space;    ///< both directions together, of the voxels asked
-  double runner_up = 0;         ///< agreement of the best other pose over that of this one
-  bool is_ambiguous = false;    ///< that one is all that speaks against it
-  PoseDeviation deviation;      ///< how firmly the pairs hold map B in place
-  double probability = 0;       ///< that the pose is right, [0,1]
+  double inlier_ratio = 0;      ///< Inliers over pairs, [0,1]
+  double threshold = 1;         ///< Least inlier ratio that is accepted, from Theta
+  double mean_mahalanobis = 0;  ///< Mean Mahalanobis distance of the pairs
+  double log_likelihood = 0;    ///< Logarithm of eq. (23)
+  FreeSpaceCheck free_space;    ///< Both directions together, of the voxels asked
+  double runner_up = 0;         ///< Agreement of the best other pose over that of this pose
+  bool is_ambiguous = false;    ///< True if another pose is all that speaks against this pose
+  PoseDeviation deviation;      ///< How firmly the pairs hold map B in place
+  double probability = 0;       ///< Probability that the pose is right, [0,1]
   /** The verdict. */
   bool accepted = false;
-  std::vector<std::string> reasons;  ///< for the verdict, one sentence each
+  std::vector<std::string> reasons;  ///< Reasons of the verdict, one sentence each
 };
 
-/** The square root of eq. (24)'s exponent: |m - s| / sqrt(1/p_m + 1/p_s). Published without unit;
- * the distance is taken in metres: 0.2 is 0.29 m at p = 0.97. */
-double mahalanobisDistance(double squared_distance, double p_model, double p_scene);
-
-/** Eq. (25): the overlap Theta, mean share of matched voxels in both maps, [0,1]. */
-double overlapOf(double matches, double model_voxels, double scene_voxels);
-
-/** The least inlier ratio accepted at an overlap (the list after eq. 25): 0.8 up to Theta = 0.2,
- * 0.9 - Theta / 2 up to 0.6, then 0.6. The paper's Fig. 9: 0.7 at 0.4. */
-double acceptanceThreshold(double overlap);
-
-/** The probability that a pose is right (within 0.6 m and 6 deg; not in the paper, whose test a
- * shift by one row of pillars passes), of what tells right ones from wrong ones: overlap, eq. (25),
- * share of obstacles in the other map's free space, agreement of the best other pose over that of
- * this one, and inlier ratio; all [0,1]. A logistic regression on matches of simulated buildings,
- * cut to overlaps down to none, mirrored, or of two buildings: see doc/choices.md. */
-double probabilityOfBeingRight(double overlap, double conflict_ratio, double runner_up,
-                               double inlier_ratio);
-
-/** The probability that a pose is off by at most 0.6 m and 6 deg, each a Gaussian error in the
- * direction that is known least. */
-double probabilityOfStaying(const PoseDeviation& deviation);
-
-/** See findingAt(). */
-enum class Finding : uint8_t {
-  Unknown,   ///< the map does not know the place
-  Agrees,    ///< it has an obstacle there or in a voxel beside
-  Conflicts  ///< it has seen the place free, and all around it
-};
-
-/** What a map says of an obstacle at a point (m, the map's frame). Only a place seen free with
- * nothing occupied around it contradicts: half a voxel of quantisation in each map is no
- * contradiction. */
-Finding findingAt(const MapVoxels& map, const Eigen::Vector3d& p);
-
-/** Of how many voxels of a map the verdict asks by default: shares of so many are known to less
- * than half a percent (one standard deviation). */
-constexpr unsigned kVoxelsOfVerdict = 15000;
-
-/** Looks occupied voxels of the scene up in the model, one way: every \a stride -th.
- * O(voxels of the scene / stride). */
-FreeSpaceCheck checkFreeSpace(const MapVoxels& model, const OccupiedVoxels& scene,
-                              const Eigen::Isometry3d& T_model_scene, size_t stride = 1);
-
-/** Eqs. (23)-(25) on the pairs of a match, joined by what they ignore: a wrong pose can lay floor
- * on floor, but it puts walls where the other robot has seen free space. \param[in] a,b The maps A
- * and B. \param[in] pairs Of voxels at T_a_b, gated as in matching. \param[in] T_a_b Pose of map B
- * in A's frame. \param[in] params What is accepted. \param[in] runner_up See
- * MatchResult::runnerUp(). \param[in] deviation Of the pose: a corridor without features matches
- * well, but slides. \param[in] enough Of each map so many voxels are asked, and of B's those were
- * paired, see strideFor().
- */
-Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pairs,
-                         const Eigen::Isometry3d& T_a_b, const EvaluationParams& params,
-                         double runner_up = 0, const PoseDeviation& deviation = {},
-                         size_t enough = kVoxelsOfVerdict);
+/** The square root of eq. (24)'s exponent: |a - b| / sqrt(1/p_a + 1/p_b). Published without a unit;
+ * the distance is taken in metres: 0.2 is 0.29 m at p = 0.97.
+ * \param[in] squared_distance m^2. \param[in] p_a,p_b Probabilities of being occupied, (0,1]. */
+MRPT_FUSION_API double mahalanobisDistance(double squared_distance, double p_a, double p_b);
 
 }  // namespace mrpt::fusion

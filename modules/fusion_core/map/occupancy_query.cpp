@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Looks points up in a map's voxels and free space. */
+#include "fusion_core/map/occupancy_query.h"
+
+namespace mrpt::fusion {
+
+Finding findingAt(const MapVoxels& map, const Eigen::Vector3d& p) {
+  static const VoxelBlocks::Ball beside(1.8);  // the 26 voxels around one
+  octomap::OcTreeKey key;
+  if (!map.map->coordToKeyChecked(p.x(), p.y(), p.z(), key)) return Finding::Unknown;
+  if (map.occupied.anyAround({key[0], key[1], key[2]}, beside)) return Finding::Agrees;
+  return map.free.has(key) ? Finding::Conflicts : Finding::Unknown;
+}
+
+bool isFree(const MapVoxels& map, const Eigen::Vector3d& p) {
+  octomap::OcTreeKey key;
+  return map.map->coordToKeyChecked(p.x(), p.y(), p.z(), key) && map.free.has(key);
+}
+
+}  // namespace mrpt::fusion

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/fusion/merging.h>
+
+#include "fusion_base/parameter.h"
+
+/** \file
+ * The parameters of merging, as settings files have them. */
+
+namespace mrpt::fusion {
+
+/** Refers to the fields of \a params, which must outlive the result. */
+Parameters parametersOf(MergeParams& params);
+
+}  // namespace mrpt::fusion

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Leads a pair of maps through the stages, from starts to a pose. */
+#include "fusion_core/pair/match.h"
+
+#include <tbb/parallel_invoke.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "fusion_base/parallel.h"
+#include "fusion_core/registration/two_level.h"
+#include "fusion_core/search/all_rotations.h"
+#include "fusion_core/search/pose_search.h"
+
+namespace mrpt::fusion {
+namespace {
+
+/** The search that the options ask for. \param[in] few_b Some of B's voxels, about one to a cell.
+ */
+std::vector<Hypothesis> searchedStarts(const MapFeatures& a, const SurfaceVoxels& few_b,
+                                       const Eigen::Isometry3d& T_a_b, const SearchParams& search) {
+  return search.isEverywhere() && search.rotations == SearchRotations::All
+             ? searchAllRotations(a, a.matched.surfaces, few_b, search)
+             : searchAround(a, a.matched.surfaces, few_b, T_a_b, search);
+}
+
+/** Fewer starts: the best by few voxels. Comparing all by many would be most of the work. */
+std::vector<Eigen::Isometry3d> bestByFew(const PoseComparison& by_few,
+                                         const std::vector<Eigen::Isometry3d>& starts,
+                                         size_t most) {
+  const auto best = by_few.ranked(starts);
+  std::vector<Eigen::Isometry3d> poses;
+  for (size_t i = 0; i < std::min(best.size(), most); i++) poses.push_back(best[i].T_a_b);
+  return poses;
+}
+
+}  // namespace
+
+ComparisonParams comparisonOf(const Options& options) {
+  return {options.registration, options.ranking, options.evaluation.tolerance, options.search.cell};
+}
+
+MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
+                      const Options& options, const OnIteration& on_iteration) {
+  const RegistrationParams& registration = options.registration;
+  const RankingParams& ranking = options.ranking;
+  if (isEmpty(a, b) || options.search.translation <= 0)
+    return matchTwoLevel(a, b, T_a_b, registration, options.evaluation.voxels, on_iteration);
+
+  // 1. Starts: the guess through the edge level, and a search around it. What compares them is made
+  // meanwhile.
+  MatchResult result;
+  result.T_a_b = T_a_b;
+  const ComparisonParams comparison = comparisonOf(options);
+  const SurfaceVoxels few_b = PoseComparison::voxelsOf(b, comparison, ranking.many_voxels);
+  std::vector<Eigen::Isometry3d> starts;
+  std::vector<Hypothesis> found;
+  std::optional<VoxelAssociation> of_voxels;
+  std::optional<PoseComparison> comparing;
+  tbb::parallel_invoke(
+      [&] {
+        if (options.search.isEverywhere()) return;
+        matchEdges(a, b, roughly(registration, ranking), result, on_iteration);
+        starts.push_back(result.T_a_b);
+      },
+      [&] { found = searchedStarts(a, few_b, T_a_b, options.search); },
+      [&] {
+        of_voxels.emplace(associationOf(a, b, registration));
+        comparing.emplace(a, b, *of_voxels, comparison, ranking.many_voxels, few_b);
+      });
+  const VoxelAssociation& association = *of_voxels;
+  const PoseComparison& by_many = *comparing;
+  for (const Hypothesis& h : found) starts.push_back(h.T_a_b);
+  if (starts.empty()) starts.push_back(T_a_b);
+
+  // 2. Ranking: all starts by few voxels, the best by many, rivals of the best by more.
+  if (starts.size() > ranking.max_starts)
+    starts = bestByFew(PoseComparison(a, b, association, comparison, ranking.few_voxels), starts,
+                       ranking.max_starts);
+  result.hypotheses = by_many.ranked(starts);
+  compareRivals(a, b, association, comparison, result.hypotheses);
+
+  // 3. Registration of the best on all voxels. The covariances of its rivals do not keep many
+  // threads busy either.
+  result.T_a_b = result.hypotheses.front().T_a_b;
+  const double final_gate =
+      std::max(registration.voxel_level.final_gate, leastVoxelGate(a, b, registration));
+  tbb::parallel_invoke(
+      [&] {
+        forEachIndex(result.hypotheses.size(), 1, [&](size_t i) {
+          RankedPose& h = result.hypotheses[i];
+          if (h.agreement > ranking.min_rival_agreement * result.hypotheses.front().agreement)
+            h.covariance = by_many.covarianceAt(h.T_a_b);
+        });
+      },
+      [&] {
+        matchVoxels(a, b, association, std::min(registration.voxel_level.gate, final_gate),
+                    registration, options.evaluation.voxels, result, on_iteration);
+      });
+  compareWhatWasReached(a, b, association, comparison, result);
+  return result;
+}
+
+MatchResult matchAt(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
+                    const Options& options) {
+  MatchResult result;
+  result.T_a_b = T_a_b;
+  if (isEmpty(a, b)) return result;
+  result.pairs = pairVoxels(a, b, T_a_b, options.registration, options.evaluation.voxels);
+  const VoxelAssociation association = associationOf(a, b, options.registration);
+  VoxelLevel level = voxelLevel(a, b, association, options.registration);
+  result.covariance = covarianceOf(a, b, level, T_a_b, options.registration);
+  return result;
+}
+
+}  // namespace mrpt::fusion

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Searches everywhere if the verdict is not sure. */
+#include "fusion_core/pair/verify.h"
+
+#include "fusion_core/pair/match.h"
+#include "fusion_core/verdict/evaluation.h"
+#include "fusion_core/verdict/hypotheses.h"
+
+namespace mrpt::fusion {
+
+Evaluation verify(const MapFeatures& a, const MapFeatures& b, const Options& options,
+                  MatchResult& result) {
+  Evaluation evaluation = judge(a, b, result, options.evaluation);
+  const bool has_bounds = options.search.translation > 0 && !options.search.isEverywhere();
+  if (!has_bounds || !evaluation.accepted ||
+      evaluation.probability >= options.evaluation.sure_probability)
+    return evaluation;
+  Options unbounded = options;
+  unbounded.search = everywhere(options.search);
+  const MatchResult elsewhere = matchMaps(a, b, result.T_a_b, unbounded);
+  if (compareWithPoseElsewhere(a, b, elsewhere.T_a_b, options.evaluation.max_runner_up,
+                               comparisonOf(options), result))
+    evaluation = judge(a, b, result, options.evaluation);
+  return evaluation;
+}
+
+}  // namespace mrpt::fusion

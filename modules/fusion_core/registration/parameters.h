@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/fusion/registration_params.h>
+
+#include "fusion_base/parameter.h"
+
+/** \file
+ * The parameters of the registration stage, as settings files have them. */
+
+namespace mrpt::fusion {
+
+/** Refers to the fields of \a params, which must outlive the result. */
+Parameters parametersOf(RegistrationParams& params);
+
+}  // namespace mrpt::fusion

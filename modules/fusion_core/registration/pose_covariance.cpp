@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Covariance of a pose from its normal equations. */
+#include "fusion_core/registration/pose_covariance.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace mrpt::fusion {
+
+PoseDeviation deviationAt(const Matrix6d& covariance, const Eigen::Vector3d& point) {
+  Eigen::Matrix<double, 3, 6> J;  // of the point
+  J << Eigen::Matrix3d::Identity(), -skew(point);
+  const auto largest = [](const Eigen::Matrix3d& m) {
+    return std::sqrt(
+        std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(m, Eigen::EigenvaluesOnly)
+                          .eigenvalues()[2]));
+  };
+  return {largest(J * covariance * J.transpose()), largest(covariance.bottomRightCorner<3, 3>())};
+}
+
+Matrix6d poseCovariance(const NormalEquations& at_optimum, size_t pairs,
+                        const GradientScatter& scatter, double unknown_variance) {
+  const double freedom = std::max(1.0, 3 * static_cast<double>(pairs) - 6);
+  const double residual_variance = std::max(at_optimum.error / freedom, 1e-12);
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(at_optimum.H);
+  const auto& V = solver.eigenvectors();
+  Vector6d inverse = Vector6d::Zero(), unknown = Vector6d::Zero();
+  int known = 0;
+  for (int i = 0; i < 6; i++) {
+    const double value = solver.eigenvalues()[i];
+    if (value > kNoInformation * solver.eigenvalues()[5]) {
+      inverse[i] = 1 / value;
+      known++;
+    } else {
+      unknown[i] = unknown_variance;
+    }
+  }
+  const Matrix6d inverse_H = V * inverse.asDiagonal() * V.transpose();
+  const double patches = static_cast<double>(scatter.patches);
+  const double correlated = known > 0 ? (inverse_H * scatter.S).trace() / known : 0;
+  const double shrinkage = 6 / (6 + patches);
+  const Matrix6d about_centre = (residual_variance + shrinkage * correlated) * inverse_H +
+                                (1 - shrinkage) * inverse_H * scatter.S * inverse_H +
+                                V * unknown.asDiagonal() * V.transpose();
+  const Matrix6d J = stepAbout(Eigen::Vector3d::Zero(), at_optimum.centre);
+  return J * about_centre * J.transpose();
+}
+
+}  // namespace mrpt::fusion

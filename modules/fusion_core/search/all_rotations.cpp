@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Lays directions of B on the direction that most of A's surfaces face. */
+#include "fusion_core/search/all_rotations.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "fusion_core/search/wall_directions.h"
+#include "fusion_octree/resampling.h"
+
+namespace mrpt::fusion {
+
+std::vector<Hypothesis> searchAllRotations(const MapVoxels& a, const Surfaces& surfaces_a,
+                                           const SurfaceVoxels& b, const SearchParams& params) {
+  const AllRotationsParams& rotations = params.all_rotations;
+  const double upright = std::cos(rotations.upright);
+  const auto facing_a = dominantDirections(surfaces_a, 1, rotations);
+  const auto facing_b = dominantDirections(b.surfaces, rotations.directions, rotations);
+  if (facing_a.empty()) return {};
+
+  // A's dominant direction becomes the axis that searchAround() turns about.
+  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+  Eigen::Isometry3d T_turned_a = Eigen::Isometry3d::Identity();
+  MapVoxels turned;
+  Surfaces turned_surfaces;
+  const bool is_upright = std::abs(facing_a[0].dot(z)) > upright;
+  if (!is_upright) {
+    T_turned_a.linear() = Eigen::Quaterniond::FromTwoVectors(facing_a[0], z).toRotationMatrix();
+    turned = MapVoxels(transformOcTree(*a.map, T_turned_a, a.map->getResolution()));
+    turned_surfaces = surfaces_a;
+    for (auto& n : turned_surfaces.normal) n = T_turned_a.linear().cast<float>() * n;
+  }
+
+  std::vector<Hypothesis> all;
+  for (const auto& direction : facing_b)
+    for (const double sign : {1.0, -1.0}) {
+      Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+      T.linear() =
+          Eigen::Quaterniond::FromTwoVectors(sign * direction, T_turned_a.linear() * facing_a[0])
+              .toRotationMatrix();
+      auto found = is_upright ? searchAround(a, surfaces_a, b, T, params)
+                              : searchAround(turned, turned_surfaces, b, T, params);
+      for (Hypothesis& h : found) h.T_a_b = T_turned_a.inverse() * h.T_a_b;
+      all.insert(all.end(), found.begin(), found.end());
+    }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const auto& g, const auto& h) { return g.score > h.score; });
+  if (all.size() > params.hypotheses) all.resize(params.hypotheses);
+  return all;
+}
+
+}  // namespace mrpt::fusion

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <tuple>
+#include <vector>
+
+#include "fusion_core/search/score_grid.h"
+
+/** \file
+ * The poses that a search tries: places of a lattice. */
+
+namespace mrpt::fusion {
+
+/** The translations tried with one yaw, in cells. */
+struct Window {
+  Cell low, size;
+
+  size_t cells() const {
+    return static_cast<size_t>(size[0]) * static_cast<size_t>(size[1]) *
+           static_cast<size_t>(size[2]);
+  }
+};
+
+/** A pose of a lattice: yaw in steps, translation in cells. */
+struct Place {
+  float score;
+  int yaw, x, y, z;
+
+  int64_t farness() const {
+    const auto square = [](int64_t v) { return v * v; };
+    return square(yaw) + square(x) + square(y) + square(z);
+  }
+  bool isBetterThan(const Place& o) const {  // of those as good those near the guess
+    if (score != o.score) return score > o.score;
+    return std::make_tuple(farness(), yaw, x, y, z) <
+           std::make_tuple(o.farness(), o.yaw, o.x, o.y, o.z);
+  }
+};
+
+/** Places this near to each other lead to the same pose. */
+struct Near {
+  int cells, yaws, turn;  // all the way round, in steps of yaw
+
+  bool operator()(const Place& a, const Place& b) const {
+    const int apart = std::abs(a.yaw - b.yaw);
+    return std::abs(a.x - b.x) <= cells && std::abs(a.y - b.y) <= cells &&
+           std::min(apart, std::abs(turn - apart)) <= yaws;
+  }
+};
+
+/** The poses to try: turned about A's vertical through a point by whole steps, then moved by whole
+ * cells. Each level's cells and steps are twice as wide as those of the level before. */
+struct Lattice {
+  Eigen::Isometry3d T_a_b;
+  Eigen::Vector3d middle;  ///< in A's frame
+  double cell, yaw_step;
+
+  Lattice level(unsigned l) const {
+    return {T_a_b, middle, std::ldexp(cell, static_cast<int>(l)),
+            std::ldexp(yaw_step, static_cast<int>(l))};
+  }
+  Eigen::Isometry3d turned(int yaw) const {
+    return Eigen::Isometry3d(Eigen::Translation3d(middle) *
+                             Eigen::AngleAxisd(yaw * yaw_step, Eigen::Vector3d::UnitZ()) *
+                             Eigen::Translation3d(-middle) * T_a_b);
+  }
+  Eigen::Isometry3d at(const Place& p) const {
+    return Eigen::Translation3d(p.x * cell, p.y * cell, p.z * cell) * turned(p.yaw);
+  }
+};
+
+/** The best places, none near a better one, best first. */
+std::vector<Place> mostDistinct(std::vector<Place> places, size_t count, const Near& near);
+
+}  // namespace mrpt::fusion

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Counts the obstacles that maps confirm, and those in free space. */
+#include "fusion_core/verdict/agreement.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fusion_core/map/occupancy_query.h"
+
+namespace mrpt::fusion {
+namespace {
+
+/** What a map says of another's obstacles: so many confirmed, and so many in its free space. */
+struct Testimony {
+  double confirmed = 0, contradicted = 0;
+};
+
+Testimony testimonyOf(const MapVoxels& map, const Obstacles& obstacles, double resolution,
+                      const Eigen::Isometry3d& T, const AgreementParams& params) {
+  const double before = params.front_voxels * std::max(resolution, map.voxels.resolution);
+  Testimony t;
+  for (size_t i = 0; i < obstacles.centre.size(); i++) {
+    const Eigen::Vector3d centre = obstacles.centre[i].cast<double>();
+    const Finding finding = findingAt(map, T * centre);
+    if (finding == Finding::Agrees) {
+      const Eigen::Vector3d front = obstacles.front[i].cast<double>();
+      const bool same_side = front.isZero(0) || isFree(map, T * (centre + before * front));
+      t.confirmed += same_side ? 1 : params.other_side;
+    } else if (finding == Finding::Conflicts) {
+      t.contradicted++;
+    }
+  }
+  return t;
+}
+
+}  // namespace
+
+Obstacles obstaclesOf(const MapVoxels& map, const SurfaceVoxels& voxels,
+                      const AgreementParams& params) {
+  Obstacles obstacles{voxels.voxels.centre, voxels.surfaces.normal};
+  const double before = params.front_voxels * voxels.voxels.resolution;
+  for (size_t i = 0; i < obstacles.centre.size(); i++) {
+    Eigen::Vector3f& front = obstacles.front[i];
+    const Eigen::Vector3d centre = obstacles.centre[i].cast<double>();
+    const Eigen::Vector3d step = before * front.cast<double>();
+    const bool ahead = isFree(map, centre + step), behind = isFree(map, centre - step);
+    if (ahead == behind)
+      front.setZero();
+    else if (behind)
+      front = -front;
+  }
+  return obstacles;
+}
+
+double agreement(const MapVoxels& a, const Obstacles& of_a, const MapVoxels& b,
+                 const Obstacles& of_b, const Eigen::Isometry3d& T_a_b,
+                 const AgreementParams& params) {
+  const Testimony by_a = testimonyOf(a, of_b, b.voxels.resolution, T_a_b, params);
+  const Testimony by_b = testimonyOf(b, of_a, a.voxels.resolution, T_a_b.inverse(), params);
+  const double confirmed = by_a.confirmed + by_b.confirmed;
+  const double contradicted = by_a.contradicted + by_b.contradicted;
+  if (confirmed == 0) return 0;
+  return confirmed * std::exp(-contradicted / (confirmed + contradicted) / params.tolerance);
+}
+
+}  // namespace mrpt::fusion
