@@ -7,7 +7,6 @@
 #include <cmath>
 
 using namespace mrpt::fusion;
-using namespace mrpt::slam;
 using mrpt::fusion::viz::COctoMapVoxels;
 using mrpt::fusion::viz::CSetOfLines;
 using mrpt::img::TColor;

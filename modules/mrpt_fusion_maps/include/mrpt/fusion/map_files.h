@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <mrpt/fusion/build_params.h>
+#include <mrpt/config/CConfigFileBase.h>
+#include <mrpt/fusion/export.h>
 #include <mrpt/maps/CProbOctoMap.h>
 #include <mrpt/obs/CObservationLocalMap.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,15 +17,15 @@
 
 namespace mrpt::fusion {
 
-/** The probabilistic octomap that a map is, holds or converts to: a mrpt::maps::CProbOctoMap or,
- * converted, a COctoMap, CColouredOctoMap or COccupancyGridMap3D; of a CMultiMetricMap, the first
- * of the kind that is named first here. Not a copy where none is needed: the result is then only
- * valid as long as \a map. Null if there is none. */
-std::shared_ptr<const mrpt::maps::CProbOctoMap> asProbOctoMap(const mrpt::maps::CMetricMap& map);
-/** \overload
- * Keeps \a map alive as long as the result. */
-std::shared_ptr<const mrpt::maps::CProbOctoMap> asProbOctoMap(
-    const mrpt::maps::CMetricMap::ConstPtr& map);
+/** How to make a map of recorded observations. */
+struct BuildParams {
+  /** Map definition as MRPT's apps read it: `<kind>_count` in \a section and the maps' own sections
+   * beside it; null: one CProbOctoMap with its default options. Not owned. */
+  const mrpt::config::CConfigFileBase* config = nullptr;
+  std::string section = "MappingApplication";  ///< of \a config
+  /** Called with the number of observations inserted so far, if given. */
+  std::function<void(size_t inserted)> progress;
+};
 
 /** What buildMap() made. */
 struct BuiltMap {
@@ -42,37 +44,40 @@ struct BuiltMap {
  * \exception std::runtime_error "<path>: <reason>": not such a file, truncated, no poses, a
  * definition without maps, or with some of a class that MRPT does not know.
  */
-BuiltMap buildMap(const std::string& path, const BuildParams& params = {});
+MRPT_FUSION_API BuiltMap buildMap(const std::string& path, const BuildParams& params = {});
 
 /** Loads what map a file of any kind holds: an octree (`.ot`, `.bt`) as a mrpt::maps::CProbOctoMap,
  * an MRPT-serialized map as it is, the map that a rawlog of one robot's CObservationLocalMap brings
  * (see loadLocalMaps()), or observations to build it from (see buildMap()).
  * \exception std::runtime_error "<path>: <reason>". */
-mrpt::maps::CMetricMap::Ptr loadAnyMap(const std::string& path, const BuildParams& params = {});
+MRPT_FUSION_API mrpt::maps::CMetricMap::Ptr loadAnyMap(const std::string& path,
+                                                       const BuildParams& params = {});
 
 /** The same, for a map that asProbOctoMap() knows. */
-std::shared_ptr<const mrpt::maps::CProbOctoMap> loadMap(const std::string& path,
-                                                        const BuildParams& params = {});
+MRPT_FUSION_API std::shared_ptr<const mrpt::maps::CProbOctoMap> loadMap(
+    const std::string& path, const BuildParams& params = {});
 
 /** The latest map of each robot in a recorded mission, a rawlog with CObservationLocalMap in it, in
  * the order in which the robots first appear; edges alone only of robots that sent no more. None if
  * there are none in the file, or it is no rawlog. \exception std::runtime_error "<path>: <reason>":
  * not readable, truncated. */
-std::vector<mrpt::obs::CObservationLocalMap::Ptr> loadLocalMaps(const std::string& path);
+MRPT_FUSION_API std::vector<mrpt::obs::CObservationLocalMap::Ptr> loadLocalMaps(
+    const std::string& path);
 
 /** Writes a rawlog of such maps, gz-compressed if it ends in `.gz`; all of the file or nothing.
  * \exception std::runtime_error "<path>: <reason>". */
-void saveLocalMaps(const std::vector<mrpt::obs::CObservationLocalMap::Ptr>& maps,
-                   const std::string& path);
+MRPT_FUSION_API void saveLocalMaps(const std::vector<mrpt::obs::CObservationLocalMap::Ptr>& maps,
+                                   const std::string& path);
 
 /** Saves any MRPT object so that all of the file is written or nothing; gz-compressed if it ends in
  * `.gz` or, as MRPT's scenes are, in `.3Dscene`. \exception std::runtime_error "<path>: <reason>".
  */
-void saveObject(const mrpt::serialization::CSerializable& object, const std::string& path);
+MRPT_FUSION_API void saveObject(const mrpt::serialization::CSerializable& object,
+                                const std::string& path);
 
 /** Saves a map so that all of the file is written or nothing: `.ot` and `.bt` by extension (for
  * maps that asProbOctoMap() knows), else as an MRPT-serialized object, gz-compressed if it ends in
  * `.gz`. \exception std::runtime_error "<path>: <reason>". */
-void saveMap(const mrpt::maps::CMetricMap& map, const std::string& path);
+MRPT_FUSION_API void saveMap(const mrpt::maps::CMetricMap& map, const std::string& path);
 
 }  // namespace mrpt::fusion

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <mrpt/fusion/edges.h>
+#include <mrpt/fusion/export.h>
 #include <mrpt/maps/CMetricMap.h>
 #include <mrpt/maps/CProbOctoMap.h>
 
@@ -18,7 +19,7 @@ namespace mrpt::maps {
  * CProbabilisticMapMatching::Align3DPDF() takes it for either map, and then compares edges alone.
  * It cannot be merged, nor made from observations: insertObservation() returns false.
  */
-class CEdgeVoxelMap : public CMetricMap {
+class MRPT_FUSION_API CEdgeVoxelMap : public CMetricMap {
   DEFINE_SERIALIZABLE(CEdgeVoxelMap, mrpt::maps)
 
  public:

@@ -3,6 +3,7 @@
 
 #include <mrpt/config/CLoadableOptions.h>
 #include <mrpt/fusion/compat.h>
+#include <mrpt/fusion/export.h>
 #include <mrpt/maps/CMetricMap.h>
 #include <mrpt/maps/COctoMap.h>
 #include <mrpt/poses/CPose3D.h>
@@ -49,7 +50,7 @@ class COccupancyGridMap3D;
  * decimation = 1         // use one ray in this many
  * \endcode
  */
-class CProbOctoMap : public CMetricMap {
+class MRPT_FUSION_API CProbOctoMap : public CMetricMap {
   DEFINE_SERIALIZABLE(CProbOctoMap, mrpt::maps)
 
  public:
@@ -268,3 +269,18 @@ class CProbOctoMap : public CMetricMap {
 };
 
 }  // namespace mrpt::maps
+
+namespace mrpt::fusion {
+
+/** The probabilistic octomap that a map is, holds or converts to: a mrpt::maps::CProbOctoMap or,
+ * converted, a COctoMap, CColouredOctoMap or COccupancyGridMap3D; of a CMultiMetricMap, the first
+ * of the kind that is named first here. Not a copy where none is needed: the result is then only
+ * valid as long as \a map. Null if there is none. */
+MRPT_FUSION_API std::shared_ptr<const mrpt::maps::CProbOctoMap> asProbOctoMap(
+    const mrpt::maps::CMetricMap& map);
+/** \overload
+ * Keeps \a map alive as long as the result. */
+MRPT_FUSION_API std::shared_ptr<const mrpt::maps::CProbOctoMap> asProbOctoMap(
+    const mrpt::maps::CMetricMap::ConstPtr& map);
+
+}  // namespace mrpt::fusion

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <mrpt/fusion/export.h>
 #include <mrpt/maps/CMetricMap.h>
 #include <mrpt/obs/CObservation.h>
 #include <mrpt/poses/CPose3DPDFGaussian.h>
@@ -20,7 +21,7 @@ namespace mrpt::obs {
  * about half of what gzip makes of its `.ot`; other maps (a CEdgeVoxelMap) as they serialize
  * themselves.
  */
-class CObservationLocalMap : public CObservation {
+class MRPT_FUSION_API CObservationLocalMap : public CObservation {
   DEFINE_SERIALIZABLE(CObservationLocalMap, mrpt::obs)
 
  public:
