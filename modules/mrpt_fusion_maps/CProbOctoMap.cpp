@@ -25,19 +25,19 @@ MAP_DEFINITION_REGISTER("mrpt::maps::CProbOctoMap,probOctoMap", mrpt::maps::CPro
 
 // ---------------------------------------------------------------- map definition and options
 
-/** Lengths that a map definition may ask for, m. */
-constexpr double kFinest = 1e-4, kLongest = 1e6;
+/** Limits of the lengths in a map definition, m. */
+constexpr double kMinResolution = 1e-4, kMaxLength = 1e6;
 
 CProbOctoMap::TMapDefinition::TMapDefinition() = default;
 
 void CProbOctoMap::TMapDefinition::loadFromConfigFile_map_specific(
     const mrpt::config::CConfigFileBase& source, const std::string& prefix) {
   const std::string creation = prefix + "_creationOpts", likelihood = prefix + "_likelihoodOpts";
-  // MRPT has read the generic ones.
+  // MRPT has read the enable... options before.
   checkKeys(source, creation,
             {"resolution", "enableSaveAs3DObject", "enableObservationLikelihood",
              "enableObservationInsertion"});
-  resolution = readNumber(source, creation, "resolution", resolution, kFinest, kLongest);
+  resolution = readNumber(source, creation, "resolution", resolution, kMinResolution, kMaxLength);
   insertionOpts.loadFromConfigFile(source, prefix + "_insertOpts");
   checkKeys(source, likelihood, {"decimation"});
   likelihoodOpts.decimation = static_cast<uint32_t>(readNumber(
@@ -62,8 +62,8 @@ CreatedMap CProbOctoMap::internal_CreateFromMapDefinition(
 
 namespace {
 
-/** The insertion options that are probabilities; what is listed here is loaded, checked and saved.
- */
+/** An insertion option that is a probability. All options of the list are loaded, checked and
+ * saved. */
 struct ProbabilityOption {
   const char* key;
   double CProbOctoMap::TInsertionOptions::*field;
@@ -90,7 +90,7 @@ void CProbOctoMap::TInsertionOptions::loadFromConfigFile(
   checkKeys(source, section, keys);
 
   TInsertionOptions loaded(*this);
-  loaded.maxrange = readNumber(source, section, "maxrange", maxrange, -1, kLongest);
+  loaded.maxrange = readNumber(source, section, "maxrange", maxrange, -1, kMaxLength);
   loaded.pruning = readFlag(source, section, "pruning", pruning);
   for (const auto& option : kProbabilities)
     loaded.*option.field = readNumber(source, section, option.key, loaded.*option.field, 0, 1);
@@ -104,7 +104,7 @@ void CProbOctoMap::TInsertionOptions::loadFromConfigFile(
 
 void CProbOctoMap::TInsertionOptions::saveToConfigFile(mrpt::config::CConfigFileBase& c,
                                                        const std::string& s) const {
-  MRPT_SAVE_CONFIG_VAR_COMMENT(maxrange, "Length to which beams are inserted, m (-1: all of it)");
+  MRPT_SAVE_CONFIG_VAR_COMMENT(maxrange, "Length to which beams are inserted, m (-1: whole beams)");
   MRPT_SAVE_CONFIG_VAR_COMMENT(pruning, "Prune the tree, without loss, after each insertion");
   for (const auto& option : kProbabilities)
     c.write(s, option.key, this->*option.field, -1, -1, option.comment);
@@ -202,7 +202,8 @@ void CProbOctoMap::serializeTo(mrpt::serialization::CArchive& out) const {
 
 void CProbOctoMap::serializeFrom(mrpt::serialization::CArchive& in, uint8_t version) {
   if (version != 0) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
-  // Into a map of its own first: a stream that ends early leaves this one as it was.
+  // The stream is read into another map first, so that this map stays as it was if the stream ends
+  // early.
   CProbOctoMap map;
   in >> map.genericMapParams;
   map.likelihoodOptions.readFromStream(in);

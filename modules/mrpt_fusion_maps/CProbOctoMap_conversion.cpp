@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * CProbOctoMap from and to MRPT's other octomaps, with their colours, and from any map that holds
- * or converts to one. */
+ * CProbOctoMap: conversion from and to the octomaps of MRPT, with colours, and from any map. */
 
 #include <mrpt/fusion/compat.h>
 #include <mrpt/maps/CColouredOctoMap.h>
@@ -31,10 +30,11 @@ double probability(float log_odds) {
   return 1.0 / (1.0 + std::exp(-static_cast<double>(log_odds)));
 }
 
-/** Log-odds as far as double-valued probabilities reach: beyond, they are 0 or 1. */
+/** Largest log-odds with a probability other than 0 and 1 in double precision. */
 constexpr float kMaxLogOdds = 36.0F;
 
-/** The probability that OctoMap turns into exactly these log-odds, or as near as doubles allow. */
+/** Returns the probability that OctoMap converts to these log-odds. If no double gives exactly
+ * these log-odds, returns the nearest. */
 double exactProbability(float log_odds) {
   ASSERTMSG_(std::abs(log_odds) <= kMaxLogOdds,
              "CProbOctoMap: log-odds too large for a probability in MRPT's octomaps");
@@ -44,13 +44,14 @@ double exactProbability(float log_odds) {
   return p;
 }
 
-/** A leaf cube and its value, ordered by the cube's place in the tree. */
+/** A leaf: its cube and its value. */
 struct LeafCube {
   OcTreeCube cube;
   float log_odds;
 };
 
-/** Builds a tree from leaf cubes that are grouped by child at each level on the way down. */
+/** Builds a tree from a list of leaves. Each level distributes the leaves of a cube to its
+ * children. */
 class LeafListVisitor {
  public:
   struct State {
@@ -72,16 +73,16 @@ class LeafListVisitor {
   }
 };
 
-/** A tree with the leaves and sensor model of one of MRPT's octomaps. */
+/** Returns a tree with the leaves and the sensor model of an octomap of MRPT. */
 template <class TheirMap>
 std::unique_ptr<octomap::OcTree> treeOf(const TheirMap& o) {
-  // Its leaf cubes come out through the drawing API, as its renderingOptions allow.
+  // Only the drawing API returns leaf cubes, and renderingOptions decide which it returns.
   viz::COctoMapVoxels voxels;
   const auto& drawn = o.renderingOptions;
   if (drawn.generateOccupiedVoxels && drawn.generateFreeVoxels) {
     o.getAsOctoMapVoxels(voxels);
   } else {
-    TheirMap copy(o);  // without its colours, see toColouredOctoMap()
+    TheirMap copy(o);  // loses the colours, which are not needed here
     copy.renderingOptions = {};
     copy.getAsOctoMapVoxels(voxels);
   }
@@ -115,7 +116,7 @@ std::unique_ptr<octomap::OcTree> treeOf(const TheirMap& o) {
   return tree;
 }
 
-/** Options are of a type of each map's own, with the same fields. */
+/** Copies options. Each map class has its own option types, with the same fields. */
 template <class From, class To>
 void copyOptions(const From& from, To& to) {
   to.genericMapParams = from.genericMapParams;
@@ -129,11 +130,12 @@ void copyOptions(const From& from, To& to) {
   to.insertionOptions.pruning = from.insertionOptions.pruning;
 }
 
-/** Gives one of MRPT's octomaps, a fresh one, the leaves, sensor model and options of ours. */
+/** Fills an empty octomap of MRPT with the leaves, the sensor model and the options of a map. */
 template <class TheirMap>
 void fill(TheirMap& result, const CProbOctoMap& map) {
   const octomap::OcTree& tree = map.octree();
-  // One "hit" or "miss" of just the wanted strength on each voxel, with nothing clamped.
+  // Each voxel gets one hit or miss of exactly the wanted strength. The thresholds are so wide that
+  // nothing is clamped.
   constexpr double kTiny = 1e-16;
   result.setClampingThresMin(kTiny);
   result.setClampingThresMax(1 - kTiny);
@@ -185,10 +187,10 @@ namespace {
 using Colour = std::array<uint8_t, 3>;
 using mrpt::math::TPoint3D;
 
-/** The colour of an occupied voxel of a map at a point of its frame. */
+/** Returns the colour of the occupied voxel at a point of the frame of a map. */
 std::optional<Colour> colourAt(const CColouredOctoMap& map, const TPoint3D& p) {
   const auto x = static_cast<float>(p.x), y = static_cast<float>(p.y), z = static_cast<float>(p.z);
-  constexpr Colour kUnset = {255, 255, 255};  // octomap's
+  constexpr Colour kUnset = {255, 255, 255};  // default of octomap
   double occupancy = 0;
   Colour c = kUnset;
   if (!map.getPointOccupancy(x, y, z, occupancy) || occupancy < map.getOccupancyThres() ||
@@ -197,8 +199,8 @@ std::optional<Colour> colourAt(const CColouredOctoMap& map, const TPoint3D& p) {
   return c;
 }
 
-/** The colour of the occupied voxel of a map that is nearest to a point of its frame, centre to
- * point; nothing if none that has one is within \a reach (m). */
+/** Returns the colour of the coloured, occupied voxel whose centre is nearest to a point of the
+ * frame of a map. Returns nothing if no such centre is within \a reach, m. */
 std::optional<Colour> nearestColour(const CColouredOctoMap& map, const TPoint3D& p, double reach) {
   if (const auto here = colourAt(map, p)) return here;  // no other centre is nearer
   const double voxel = map.getResolution();
@@ -249,7 +251,7 @@ std::shared_ptr<CColouredOctoMap> CProbOctoMap::toColouredOctoMap(
   fill(*result, *this);
   const auto method = result->getVoxelColourMethod();
   result->setVoxelColourMethod(CColouredOctoMap::SET);
-  // MRPT has pruned what it was given, and a leaf has one colour.
+  // MRPT has pruned the tree that was filled, and a leaf has one colour.
   octomap::OcTree pruned(*m_octree);
   pruned.prune();
   const auto centre = [&](const octomap::OcTreeKey& key) {
@@ -279,7 +281,7 @@ std::shared_ptr<CColouredOctoMap> CProbOctoMap::toColouredOctoMap(
 
 namespace {
 
-/** Makes an octomap of a map of one class; null if it is of another. */
+/** Returns the octomap of a map of one class. Returns null for maps of other classes. */
 using View = std::shared_ptr<const CProbOctoMap> (*)(const CMetricMap&);
 
 std::shared_ptr<const CProbOctoMap> itself(const CMetricMap& map) {
@@ -293,7 +295,7 @@ std::shared_ptr<const CProbOctoMap> converted(const CMetricMap& map) {
   return theirs ? std::make_shared<const CProbOctoMap>(*theirs) : nullptr;
 }
 
-/** The first map that a view takes: this one, or one of a set. */
+/** Returns the octomap of a map, or of the first map of a set for which there is one. */
 std::shared_ptr<const CProbOctoMap> findIn(const CMetricMap& map, View view) {
   if (auto found = view(map)) return found;
   if (const auto* several = dynamic_cast<const CMultiMetricMap*>(&map))
@@ -305,7 +307,7 @@ std::shared_ptr<const CProbOctoMap> findIn(const CMetricMap& map, View view) {
 }  // namespace
 
 std::shared_ptr<const CProbOctoMap> mrpt::fusion::asProbOctoMap(const CMetricMap& map) {
-  // Those that keep most come first, whatever the order of a set.
+  // The class that keeps most information comes first, not the first map of a set.
   for (const auto view : {&itself, &converted<COctoMap>, &converted<CColouredOctoMap>,
                           &converted<COccupancyGridMap3D>})
     if (auto found = findIn(map, view)) return found;

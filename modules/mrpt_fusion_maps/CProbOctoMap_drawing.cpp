@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * CProbOctoMap: octree files, and MRPT's drawings of the map. */
+ * CProbOctoMap: octree files and 3-D drawings of the map. */
 
 #include <mrpt/fusion/compat.h>
 #include <mrpt/maps/CProbOctoMap.h>
@@ -47,7 +47,7 @@ void CProbOctoMap::getAsOctoMapVoxels(viz::COctoMapVoxels& gl) const {
   const double height = z_max - z_min + 0.01;
   const mrpt::img::TColorf base = gl.getColor();
 
-  // Brightness and opacity in [0,1] by the object's colouring scheme.
+  // Returns the colour of a voxel by the colouring scheme of the object.
   const auto colour = [&](double z, double occupancy) {
     const double by_height = (z - z_min) / height;
     const double by_occupancy = (240 * (1 - occupancy) + 15) / 255;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * CProbOctoMap from and to MRPT's 3-D occupancy grid. */
+ * CProbOctoMap: conversion from and to the 3-D occupancy grid of MRPT. */
 
 #include <mrpt/fusion/voxels.h>
 #include <mrpt/maps/COccupancyGridMap3D.h>
@@ -22,14 +22,14 @@ namespace {
 
 using Grid = COccupancyGridMap3D;
 
-/** Cells hold the log-odds of being free, in this many steps for each unit. */
+/** Number of steps of a cell per unit of log-odds. A cell holds the log-odds of being free. */
 constexpr float kCellSteps = 16;
 
-/** Tells what a grid's cells are in an octree, whose keys begin at a cell of its own. */
+/** Fills an octree with the cells of a grid. */
 class GridVisitor {
  public:
   struct State {};
-  /** \param[in] first Key of the grid's first cell. */
+  /** \param[in] cells The cells. \param[in] first Key of the first cell. */
   GridVisitor(const Grid::grid_t& cells, const std::array<int64_t, 3>& first)
       : cells_(cells),
         first_(first),
@@ -43,8 +43,8 @@ class GridVisitor {
       if (c[axis] + cube.side() <= 0 || c[axis] >= size_[axis]) return OcTreeFill::unknown();
     }
     if (cube.depth < OcTreeCube::kMaxDepth) return OcTreeFill::split();
-    // (cellByIndex() takes the cells of a grid that was read from a stream for others: MRPT forgets
-    // to set its stride.)
+    // In a grid that was read from a stream, MRPT does not set the stride, so cellByIndex() returns
+    // wrong cells.
     const auto cell =
         cells_.data()[static_cast<size_t>(c[0] + size_[0] * (c[1] + size_[1] * c[2]))];
     return cell ? OcTreeFill::leaf(-static_cast<float>(cell) / kCellSteps) : OcTreeFill::unknown();
@@ -56,7 +56,7 @@ class GridVisitor {
   std::array<int64_t, 3> first_, size_;
 };
 
-/** The box of a tree's known voxels: lowest and highest keys. */
+/** The box of the known voxels of a tree: lowest and highest keys. */
 struct KeyBox {
   std::array<uint32_t, 3> low{UINT32_MAX, UINT32_MAX, UINT32_MAX}, high{0, 0, 0};
 
@@ -75,7 +75,8 @@ struct KeyBox {
   }
 };
 
-/** Reaches what says that a grid has contents, which MRPT sets with observations only. */
+/** Sets the protected field that says whether a grid is empty. MRPT only sets it when observations
+ * are inserted. */
 struct GridAccess : Grid {
   static void setEmpty(Grid& grid, bool empty) { grid.*(&GridAccess::m_is_empty) = empty; }
 };
@@ -88,7 +89,7 @@ void CProbOctoMap::fromOccupancyGrid(const COccupancyGridMap3D& o) {
   const auto& cells = o.m_grid;
   const double resolution = cells.getResolutionXY();
   ASSERTMSG_(resolution > 0 && cells.getResolutionZ() == resolution,
-             "CProbOctoMap: the cells of the grid are no cubes");
+             "CProbOctoMap: the cells of the grid are not cubes");
   constexpr double kOrigin = 32768;
   const std::array<double, 3> min{cells.getXMin(), cells.getYMin(), cells.getZMin()};
   const std::array<size_t, 3> size{cells.getSizeX(), cells.getSizeY(), cells.getSizeZ()};
@@ -96,11 +97,11 @@ void CProbOctoMap::fromOccupancyGrid(const COccupancyGridMap3D& o) {
   for (unsigned axis = 0; axis < 3; axis++) {
     const double key = std::round(min[axis] / resolution) + kOrigin;
     ASSERTMSG_(key >= 0 && key + static_cast<double>(size[axis]) <= 2 * kOrigin,
-               "CProbOctoMap: the grid reaches beyond what an octree of its resolution can hold");
+               "CProbOctoMap: the grid is larger than an octree of its resolution");
     first[axis] = static_cast<int64_t>(key);
   }
   ASSERTMSG_(cells.data().size() == size[0] * size[1] * size[2],
-             "CProbOctoMap: the grid has not the cells that its size says");
+             "CProbOctoMap: the number of cells does not fit the size of the grid");
   auto tree = std::make_unique<octomap::OcTree>(resolution);
   GridVisitor visitor(cells, first);
   buildOcTree(*tree, {}, visitor);

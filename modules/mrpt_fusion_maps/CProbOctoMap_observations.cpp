@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * CProbOctoMap: inserts observations and single voxels, and looks up what they would meet. */
+ * CProbOctoMap: insertion of observations, points and voxels, likelihood of observations, and rays.
+ */
 
 #include <mrpt/maps/CPointsMap.h>
 #include <mrpt/maps/CProbOctoMap.h>
@@ -19,7 +20,7 @@ using namespace mrpt::obs;
 
 namespace {
 
-/** The points of an observation in the map's frame and where the sensor was. */
+/** The points of an observation and the position of the sensor, both in the map's frame. */
 struct Rays {
   octomap::point3d origin;
   octomap::Pointcloud ends;
@@ -42,9 +43,10 @@ void addPoints(const mrpt::poses::CPose3D& frame, const CPointsMap& points, Rays
   }
 }
 
-/** \return Nothing if the observation is not of a kind that an octomap takes, or has no points. */
+/** Returns the rays of an observation. \return Nothing if the observation has no points, or is of a
+ * kind that cannot be inserted. */
 std::optional<Rays> raysOf(const CObservation& obs, const mrpt::poses::CPose3D& robot) {
-  obs.load();  // lazy-loaded observations
+  obs.load();  // the observation may be lazy-loaded
   mrpt::poses::CPose3D sensor_on_robot;
   obs.getSensorPose(sensor_on_robot);
   const mrpt::poses::CPose3D sensor = robot + sensor_on_robot;
@@ -53,7 +55,7 @@ std::optional<Rays> raysOf(const CObservation& obs, const mrpt::poses::CPose3D& 
                                  static_cast<float>(sensor.z()));
 
   if (const auto* scan2d = dynamic_cast<const CObservation2DRangeScan*>(&obs)) {
-    // MRPT gives these points in the robot's frame.
+    // These points are in the frame of the robot.
     addPoints(robot, *scan2d->buildAuxPointsMap<CPointsMap>(), rays);
   } else if (const auto* scan3d = dynamic_cast<const CObservation3DRangeScan*>(&obs)) {
     if (scan3d->hasPoints3D) {
@@ -62,7 +64,7 @@ std::optional<Rays> raysOf(const CObservation& obs, const mrpt::poses::CPose3D& 
       for (size_t i = 0; i < n; i++) {
         const mrpt::math::TPoint3Df p(scan3d->points3D_x[i], scan3d->points3D_y[i],
                                       scan3d->points3D_z[i]);
-        if (p.x != 0 || p.y != 0 || p.z != 0) addPoint(sensor, p, rays);  // (0,0,0): no return
+        if (p.x != 0 || p.y != 0 || p.z != 0) addPoint(sensor, p, rays);  // (0,0,0): no echo
       }
     } else if (scan3d->hasRangeImage) {
       CObservation3DRangeScan copy(*scan3d);  // unprojectInto() is not const

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * CProbOctoMap: its occupied voxels as points, and the matching of points that MRPT asks of a map.
- */
+ * CProbOctoMap: the occupied voxels as points, and the matching of these points. */
 
 #include <mrpt/fusion/voxels.h>
 #include <mrpt/maps/CProbOctoMap.h>
@@ -22,13 +21,13 @@ using namespace mrpt::maps;
 
 namespace {
 
-/** The centres of a map's occupied voxels, in the order of the octree. */
+/** Returns the centres of the occupied voxels, in the order of the octree. */
 std::shared_ptr<CSimplePointsMap> occupiedPoints(const octomap::OcTree& tree) {
   auto points = std::make_shared<CSimplePointsMap>();
   const mrpt::fusion::OccupiedVoxels voxels = mrpt::fusion::extractOccupiedVoxels(tree);
   points->reserve(voxels.size());
   for (const auto& p : voxels.centre) points->insertPointFast(p.x(), p.y(), p.z());
-  points->mark_as_modified();  // insertPointFast() leaves that to its caller
+  points->mark_as_modified();  // insertPointFast() does not do this
   return points;
 }
 
@@ -38,7 +37,7 @@ bool samePoints(const CPointsMap& a, const CPointsMap& b) {
          a.getPointsBufferRef_z() == b.getPointsBufferRef_z();
 }
 
-/** The points of the other map of a matching. */
+/** Returns the points of the other map of a matching. */
 std::shared_ptr<const CPointsMap> pointsOf(const CMetricMap* map) {
   ASSERTMSG_(map, "CProbOctoMap: there is no map to match with");
   if (const auto* points = dynamic_cast<const CPointsMap*>(map))
@@ -51,17 +50,18 @@ std::shared_ptr<const CPointsMap> pointsOf(const CMetricMap* map) {
   return occupiedPoints(octomap->octree());
 }
 
-/** Branch and bound on the square distance, in the plane, to the centres of occupied voxels. */
+/** Finds the smallest square distance in the plane from a point to the centre of an occupied voxel,
+ * by branch and bound. */
 class ClosestInPlane {
  public:
   ClosestInPlane(const octomap::OcTree& tree, double x, double y) : tree_(tree), xy_{x, y} {
     if (tree.getRoot()) descend(*tree.getRoot(), {});
   }
-  /** m^2; infinite if no voxel is occupied. */
+  /** The square distance, m^2. Infinite if no voxel is occupied. */
   double squareDistance() const { return best_; }
 
  private:
-  /** To the closest centre of a cube's voxels. */
+  /** Returns the square distance to the closest centre of the voxels of a cube, m^2. */
   double squareDistanceTo(const OcTreeCube& cube) const {
     double sum = 0;
     for (unsigned axis = 0; axis < 2; axis++) {
@@ -82,7 +82,7 @@ class ClosestInPlane {
       if (tree_.isNodeOccupied(node)) best_ = squareDistanceTo(cube);
       return;
     }
-    // The child on the point's side first, so that the bound is soon a tight one.
+    // The child on the side of the point comes first, so that the bound becomes tight early.
     const auto middle = cube.child(7).key;
     unsigned near = 0;
     for (unsigned axis = 0; axis < 2; axis++)
@@ -101,10 +101,10 @@ class ClosestInPlane {
 }  // namespace
 
 const CSimplePointsMap* CProbOctoMap::getAsSimplePointsMap() const {
-  // The tree may have changed through octree() without a trace, so the points are always made anew;
-  // those given out before are kept if they are the same, for whoever still looks at them.
+  // The tree may have changed through octree(), so the points are always made anew. If they are
+  // equal to the previous points, the previous points stay, because a caller may still use them.
   const std::shared_ptr<const CSimplePointsMap> now = occupiedPoints(*m_octree);
-  now->boundingBox();  // MRPT computes it at the first call, which may not be two threads' at once
+  now->boundingBox();  // the first call computes the box; two threads must not do this at once
   auto last = std::atomic_load(&m_points);
   while (!last || !samePoints(*last, *now))
     if (std::atomic_compare_exchange_strong(&m_points, &last, now)) return now.get();
@@ -117,13 +117,13 @@ void CProbOctoMap::auxParticleFilterCleanUp() {
 
 namespace {
 
-/** A map's points, for one matching: MRPT's k-d tree of points serves either 2-D or 3-D searches,
- * not one after the other. */
+/** Returns the points of a map for one matching. A point map of MRPT has one k-d tree, which is for
+ * 2-D or for 3-D searches. So each matching gets its own points. */
 std::shared_ptr<CSimplePointsMap> pointsToMatch(const octomap::OcTree& tree) {
   auto points = occupiedPoints(tree);
-  // MRPT gives up where the two maps' bounding boxes do not overlap, though points may be within
-  // reach: a flat scan just below the centres of a layer of voxels. These two, behind the others
-  // and beyond any reach, make the box one that overlaps all.
+  // MRPT finds no pairs if the bounding boxes of both maps do not overlap, even if points are
+  // within reach, for example in a flat scan just below a layer of voxel centres. These two points
+  // are out of reach of all others, and their box overlaps every box.
   constexpr float kFar = 1e6F;
   for (const float corner : {-kFar, kFar}) points->insertPoint(corner, corner, corner);
   return points;

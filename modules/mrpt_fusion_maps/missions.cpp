@@ -20,14 +20,14 @@ using mrpt::serialization::CSerializable;
 namespace mrpt::fusion {
 namespace {
 
-/** Whether one robot's map tells more than another of its maps: a whole one more than its edges, a
- * later one more than an earlier. */
-bool tellsMore(const CObservationLocalMap& map, const CObservationLocalMap& than) {
+/** Returns whether a map of a robot replaces another map of this robot. A whole map replaces edges.
+ * Of two maps of the same kind, the later map replaces the earlier map. */
+bool replaces(const CObservationLocalMap& map, const CObservationLocalMap& other) {
   const auto isWhole = [](const CObservationLocalMap& o) {
     return o.map && asProbOctoMap(*o.map) != nullptr;
   };
   const bool whole = isWhole(map);
-  return whole != isWhole(than) ? whole : map.sequence >= than.sequence;
+  return whole != isWhole(other) ? whole : map.sequence >= other.sequence;
 }
 
 }  // namespace
@@ -43,7 +43,7 @@ std::vector<CObservationLocalMap::Ptr> latestMaps(const std::string& path) {
     });
     if (known == latest.end())
       latest.push_back(map);
-    else if (tellsMore(*map, **known))
+    else if (replaces(*map, **known))
       *known = map;
   }
   return latest;

@@ -11,8 +11,8 @@
 
 namespace mrpt::fusion {
 
-/** The latest map of each robot in a rawlog. \exception std::runtime_error As loadLocalMaps(),
- * without the path. */
+/** Reads the latest map of each robot from a rawlog. \exception std::runtime_error As
+ * loadLocalMaps(), without the path. */
 std::vector<mrpt::obs::CObservationLocalMap::Ptr> latestMaps(const std::string& path);
 
 }  // namespace mrpt::fusion

@@ -41,9 +41,11 @@ size_t GzStream::Read(void* buffer, size_t count) {
   return done;
 }
 
-size_t GzStream::Write(const void*, size_t) { THROW_EXCEPTION("not for writing"); }
-uint64_t GzStream::Seek(int64_t, TSeekOrigin) { THROW_EXCEPTION("not for seeking"); }
-uint64_t GzStream::getTotalBytesCount() const { THROW_EXCEPTION("size not known"); }
+size_t GzStream::Write(const void*, size_t) { THROW_EXCEPTION("the stream is for reading only"); }
+uint64_t GzStream::Seek(int64_t, TSeekOrigin) { THROW_EXCEPTION("the stream cannot seek"); }
+uint64_t GzStream::getTotalBytesCount() const {
+  THROW_EXCEPTION("the size of the stream is unknown");
+}
 
 std::string gzCompressed(std::string_view bytes) {
   z_stream stream{};

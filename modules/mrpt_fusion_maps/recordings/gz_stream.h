@@ -10,12 +10,12 @@
 struct gzFile_s;
 
 /** \file
- * Files of MRPT's objects, gz-compressed or not, as bytes. */
+ * Bytes of files that may be gz-compressed. */
 
 namespace mrpt::fusion {
 
-/** A file, gz-compressed or not, as MRPT's archives read it. MRPT's own takes a file that ends
- * early, amid a number or a compressed block, for one that ends there; this one throws. */
+/** A file as a stream for the archives of MRPT. The file may be gz-compressed. MRPT's own stream
+ * does not report that a file ends within a number or a compressed block. This stream throws. */
 class GzStream : public mrpt::io::CStream {
  public:
   /** \exception std::runtime_error If the file cannot be opened. */
@@ -25,7 +25,7 @@ class GzStream : public mrpt::io::CStream {
   GzStream& operator=(const GzStream&) = delete;
 
   size_t Read(void* buffer, size_t count) override;
-  /** Bytes read so far, uncompressed. */
+  /** Number of uncompressed bytes that were read. */
   uint64_t getPosition() const override { return position_; }
 
   size_t Write(const void* buffer, size_t count) override;
@@ -37,8 +37,8 @@ class GzStream : public mrpt::io::CStream {
   uint64_t position_ = 0;
 };
 
-/** \a bytes in gzip's format, compressed in memory: MRPT's compress_gz_data_block goes through a
- * named pipe in /tmp, and what it returns has been seen cut short. */
+/** Compresses bytes in memory, in the format of gzip. MRPT's compress_gz_data_block() uses a named
+ * pipe in /tmp, and its results were truncated. */
 std::string gzCompressed(std::string_view bytes);
 
 }  // namespace mrpt::fusion

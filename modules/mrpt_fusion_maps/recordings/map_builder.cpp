@@ -33,8 +33,8 @@ using mrpt::serialization::CSerializable;
 namespace mrpt::fusion {
 namespace {
 
-/** \exception If a map definition asks for maps of a kind that MRPT does not know: it passes over
- * them in silence. */
+/** Checks the map classes of a definition, because MRPT ignores unknown classes.
+ * \exception std::runtime_error If a class is unknown. */
 void checkMapNames(const mrpt::config::CConfigFileBase& config, const std::string& section) {
   constexpr std::string_view kSuffix = "_count";
   const auto& kinds = mrpt::maps::internal::TMetricMapTypesRegistry::Instance().getAllRegistered();
@@ -47,7 +47,7 @@ void checkMapNames(const mrpt::config::CConfigFileBase& config, const std::strin
     if (std::none_of(kinds.begin(), kinds.end(),
                      [&](const auto& kind) { return mrpt::system::strCmpI(kind.first, name); }))
       throw std::runtime_error("the section [" + section + "] asks for '" + name +
-                               "', which is no map class");
+                               "', which is not a map class");
   }
 }
 
@@ -95,25 +95,26 @@ class Builder {
   size_t inserted_ = 0, ignored_ = 0;
 };
 
-/** Inserts all observations that were made at once. \exception If there is an object in their stead
- * that is none: MRPT reads it as null. */
+/** Inserts the observations of a frame. \exception std::runtime_error If an object of the frame is
+ * not an observation. MRPT reads such an object as null. */
 void insertAll(const CSensoryFrame& frame, const CPose3D& robot, Builder& builder) {
   for (const auto& obs : frame) {
-    if (!obs) throw std::runtime_error("corrupt: what should be an observation is none");
+    if (!obs) throw std::runtime_error("corrupt: an object in a frame is not an observation");
     builder.insert(*obs, robot);
   }
 }
 
 void buildFromSimpleMap(const CSimpleMap& frames, Builder& builder) {
   for (const auto& frame : frames) {
-    if (!frame.pose || !frame.sf) throw std::runtime_error("corrupt: a keyframe is not whole");
+    if (!frame.pose || !frame.sf)
+      throw std::runtime_error("corrupt: a keyframe has no pose or no observations");
     CPose3D pose;
     frame.pose->getMean(pose);
     insertAll(*frame.sf, pose, builder);
   }
 }
 
-/** The robot's path as a rawlog of observations tells it. */
+/** Reads the path of the robot from a rawlog in the observations format. */
 mrpt::poses::CPose3DInterpolator readPath(const std::string& path) {
   mrpt::poses::CPose3DInterpolator poses, odometry;
   ObjectReader reader(path);
@@ -130,7 +131,7 @@ mrpt::poses::CPose3DInterpolator readPath(const std::string& path) {
 
 void buildFromRawlog(const std::string& path, Builder& builder) {
   const auto known_poses = readPath(path);
-  CPose3D dead_reckoning;  // of the actions format
+  CPose3D dead_reckoning;  // pose in the actions format
   bool has_actions = false;
   ObjectReader reader(path);
   while (const auto object = reader.next()) {
@@ -144,7 +145,7 @@ void buildFromRawlog(const std::string& path, Builder& builder) {
       insertAll(*frame, dead_reckoning, builder);
     } else if (dynamic_cast<const CObservationRobotPose*>(object.get()) ||
                dynamic_cast<const CObservationOdometry*>(object.get())) {
-      continue;  // in known_poses
+      continue;  // it is in known_poses
     } else if (const auto* obs = dynamic_cast<const CObservation*>(object.get())) {
       if (known_poses.empty())
         throw std::runtime_error(
@@ -161,8 +162,9 @@ void buildFromRawlog(const std::string& path, Builder& builder) {
   }
 }
 
-/** Where a rawlog keeps what it stores outside, with a final '/': "<name>_Images" beside it, or
- * "Images". (CRawlog::detectImagesDirectory() joins its parts without the '/'.) */
+/** Returns the directory of the external files of a rawlog, with a final '/': "<name>_Images" or
+ * "Images" in the folder of the rawlog. CRawlog::detectImagesDirectory() returns it without the
+ * '/'. */
 std::string imagesDirectoryOf(const std::string& rawlog) {
   const std::filesystem::path file(rawlog);
   const auto folder = std::filesystem::absolute(file).parent_path();

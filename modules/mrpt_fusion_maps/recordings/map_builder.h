@@ -6,12 +6,12 @@
 #include <string>
 
 /** \file
- * Maps from recorded observations. */
+ * Builds maps from recorded observations. */
 
 namespace mrpt::fusion {
 
 /** Builds a map from a recording. \param[in] path The recording. \param[in] first Its first object.
- * \param[in] params How. \exception std::runtime_error As buildMap(), without the path. */
+ * \param[in] params Parameters. \exception std::runtime_error As buildMap(), without the path. */
 BuiltMap buildFrom(const std::string& path, const mrpt::serialization::CSerializable& first,
                    const BuildParams& params);
 

@@ -44,7 +44,7 @@ CSerializable::Ptr ObjectReader::next() {
 }
 
 CSerializable::Ptr firstObject(const std::string& path) {
-  beginningOf(path);  // says why, if nothing can be read
+  beginningOf(path);  // throws with the reason if the file cannot be read
   return ObjectReader(path).next();
 }
 

@@ -9,7 +9,7 @@
 #include "mrpt_fusion_maps/recordings/gz_stream.h"
 
 /** \file
- * The MRPT objects of a file. */
+ * Reads the MRPT objects of a file. */
 
 namespace mrpt::fusion {
 
@@ -18,7 +18,8 @@ class ObjectReader {
  public:
   explicit ObjectReader(const std::string& path) : file_(path) {}
 
-  /** The next object; null at the end of the file. */
+  /** Returns the next object. Null at the end of the file. \exception std::runtime_error If the
+   * file is of another kind or truncated. */
   mrpt::serialization::CSerializable::Ptr next();
 
  private:
@@ -26,10 +27,10 @@ class ObjectReader {
   size_t count_ = 0;
 };
 
-/** The first object of a file that is not an octree's. \exception If it cannot be read at all. */
+/** Returns the first object of a file. \exception std::runtime_error If the file cannot be read. */
 mrpt::serialization::CSerializable::Ptr firstObject(const std::string& path);
 
-/** Whether a file that begins with this object is a recording. */
+/** Returns whether a file that begins with this object is a recording. */
 bool isRecording(const mrpt::serialization::CSerializable& first);
 
 }  // namespace mrpt::fusion

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Writes MRPT objects into a file, all of it or nothing. */
+ * Writes MRPT objects to a file: the whole file or nothing. */
 
 #include "mrpt_fusion_maps/recordings/object_writer.h"
 

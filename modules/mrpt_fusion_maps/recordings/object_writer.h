@@ -7,11 +7,11 @@
 #include <vector>
 
 /** \file
- * A file of MRPT objects. */
+ * Writes files of MRPT objects. */
 
 namespace mrpt::fusion {
 
-/** Writes objects one after the other into a file, see saveObject(). */
+/** Writes objects to a file, one after the other, see saveObject(). */
 void saveObjects(const std::vector<const mrpt::serialization::CSerializable*>& objects,
                  const std::string& path);
 
