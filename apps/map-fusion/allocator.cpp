@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * How programs of ours take their memory: by jemalloc, which looks for these settings by their
- * name.
+ * The settings of the allocator of our programs, jemalloc. jemalloc finds them by their name.
  *
- * Octrees are millions of small nodes. In pages of 4 kB half the time that reading one takes goes
- * into page faults, so huge pages are asked for; and as such a program works on its maps and ends,
- * what is freed is kept for what comes next. */
+ * An octree has millions of small nodes. With pages of 4 kB, half the time of reading an octree is
+ * spent on page faults, so we use huge pages. Our programs run for a short time, so freed memory is
+ * kept for later use. */
 
 extern "C" {
 extern const char* malloc_conf;

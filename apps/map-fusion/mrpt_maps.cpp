@@ -1,16 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Loads the module with MRPT's map classes. */
+
 #include "mrpt_maps.h"
 
 #include <dlfcn.h>
 
 #include <stdexcept>
+#include <string>
+
+namespace map_fusion {
 
 const MrptMaps& mrptMaps() {
   static const MrptMaps& maps = []() -> const MrptMaps& {
-    void* module = ::dlopen(MRPT_MAPS_MODULE, RTLD_LAZY);  // looked for where our libraries are
+    void* module =
+        ::dlopen(MRPT_MAPS_MODULE, RTLD_LAZY);  // searched in the run path of this program
     void* entry = module ? ::dlsym(module, "mrptMapsOfModule") : nullptr;
     if (!entry) throw std::runtime_error(std::string("MRPT's maps: ") + ::dlerror());
     return *reinterpret_cast<const MrptMaps* (*)()>(entry)();
   }();
   return maps;
 }
+
+}  // namespace map_fusion

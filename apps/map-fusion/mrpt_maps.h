@@ -2,17 +2,19 @@
 #pragma once
 
 #include <mrpt/fusion/alignment.h>
-#include <mrpt/fusion/build_params.h>
-#include <mrpt/fusion/fusion_view.h>
+#include <mrpt/fusion/edges.h>
 #include <mrpt/fusion/poses.h>
+#include <octomap/OcTree.h>
 
+#include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "top_view.h"
-
+namespace mrpt::config {
+class CConfigFileBase;
+}
 namespace mrpt::maps {
 class CMetricMap;
 }
@@ -20,11 +22,17 @@ namespace mrpt::obs {
 class CObservationLocalMap;
 }
 
-/** A map to work on. */
+/** \file
+ * The interface to MRPT's map classes. They bring some 280 libraries, a third of a second and 100
+ * MB. So they are in a module, which is loaded when a run needs it. */
+
+namespace map_fusion {
+
+/** A map of a run. */
 struct LoadedMap {
-  std::shared_ptr<const octomap::OcTree> octree;          ///< of it, or of its edges
-  std::shared_ptr<const mrpt::fusion::EdgeVoxels> edges;  ///< if it is edges alone
-  std::shared_ptr<mrpt::maps::CMetricMap> mrpt;           ///< as it was read, if it was MRPT's
+  std::shared_ptr<const octomap::OcTree> octree;          ///< The map, or its edges as voxels
+  std::shared_ptr<const mrpt::fusion::EdgeVoxels> edges;  ///< Edges; null if the map is whole
+  std::shared_ptr<mrpt::maps::CMetricMap> mrpt;           ///< MRPT's map, if the file has one
 
   mrpt::fusion::MapView view() const {
     return edges ? mrpt::fusion::MapView{nullptr, edges.get()}
@@ -32,45 +40,63 @@ struct LoadedMap {
   }
 };
 
-/** A robot's map. */
+/** A robot and its map. */
 struct Robot {
   std::string name;
   LoadedMap map;
-  mrpt::poses::CPose3DPDFGaussian pose = mrpt::fusion::noGuess();  ///< see RobotMap
-  std::shared_ptr<const mrpt::obs::CObservationLocalMap> sent;     ///< if it is from a mission
+  mrpt::poses::CPose3DPDFGaussian pose = mrpt::fusion::noGuess();  ///< See mrpt::fusion::RobotMap
+  std::shared_ptr<const mrpt::obs::CObservationLocalMap> sent;  ///< Its entry in a mission, if any
 };
 
-/** What was built of a recording. */
+/** How to build a map from a recording, see mrpt::fusion::BuildParams. */
+struct MapDefinition {
+  const mrpt::config::CConfigFileBase* config = nullptr;  ///< Null: default map. Not owned
+  std::string section;                                    ///< Section of config
+  std::function<void(size_t inserted)> progress;  ///< Called with the number of observations
+};
+
+/** A map that was built from a recording. */
 struct BuiltMap {
-  LoadedMap map;  ///< without an octree, if it is of another kind
-  size_t inserted, ignored;
+  LoadedMap map;        ///< Without octree if the map is of another kind
+  size_t inserted = 0;  ///< Number of observations that changed the map
+  size_t ignored = 0;   ///< Number of all other observations
 };
 
-/** What of a run needs MRPT's map classes. They bring some 280 libraries, a third of a second and
- * 100 MB: they are in a module that is loaded when a run asks for it. All throw std::exceptions,
- * with "<path>: <reason>" if it is a file's fault. */
+/** A fusion to draw, see mrpt::fusion::FusionView. Nothing is owned. */
+struct SceneContents {
+  const octomap::OcTree& a;
+  const octomap::OcTree& b;
+  mrpt::poses::CPose3D pose;  ///< T_a_b
+  const mrpt::fusion::Pairs& pairs;
+  const mrpt::fusion::EdgeVoxels& edges_a;
+  const mrpt::fusion::EdgeVoxels& edges_b;
+  double inlier_mahalanobis;
+  const octomap::OcTree* fused;
+};
+
+/** All functions that need MRPT's map classes. They throw std::exceptions. If a file is the reason,
+ * the message is "<path>: <reason>". */
 class MrptMaps {
  public:
   virtual ~MrptMaps() = default;
 
-  /** A map from a file that is no octree's. */
-  virtual LoadedMap load(const std::string& path,
-                         const mrpt::fusion::BuildParams& params) const = 0;
-  /** The last map of each robot in a recorded mission; none if the file is something else. */
+  /** Loads a map from a file that is not an octree file. */
+  virtual LoadedMap load(const std::string& path, const MapDefinition& definition) const = 0;
+  /** Loads the latest map of each robot of a recorded mission. Returns nothing for files of other
+   * kinds. */
   virtual std::vector<Robot> loadMission(const std::string& path) const = 0;
+  /** Writes a mission. */
   virtual void saveMission(const std::vector<Robot>& robots, const std::string& path) const = 0;
-  /** Makes a map of a recording. */
-  virtual BuiltMap build(const std::string& recording,
-                         const mrpt::fusion::BuildParams& params) const = 0;
-  /** See mrpt::fusion::saveMap(). */
+  /** Builds a map from a recording. */
+  virtual BuiltMap build(const std::string& recording, const MapDefinition& definition) const = 0;
+  /** Saves a map, see mrpt::fusion::saveMap(). */
   virtual void save(const LoadedMap& map, const std::string& path) const = 0;
-  virtual void drawScene(const mrpt::fusion::FusionView& view, const std::string& path) const = 0;
-  /** See drawTopView(). */
-  virtual void drawPicture(const mrpt::fusion::OccupiedVoxels& a,
-                           const mrpt::fusion::OccupiedVoxels& b,
-                           const std::vector<TopViewPanel>& panels,
-                           const std::string& path) const = 0;
+  /** Writes a scene, see mrpt::fusion::drawFusion(). */
+  virtual void drawScene(const SceneContents& contents, const std::string& path) const = 0;
 };
 
-/** Loads the module at the first call. \exception std::runtime_error If it cannot be. */
+/** Returns the functions of the module. Loads the module at the first call.
+ * \exception std::runtime_error If the module cannot be loaded. */
 const MrptMaps& mrptMaps();
+
+}  // namespace map_fusion

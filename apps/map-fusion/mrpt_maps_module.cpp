@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * The module with all functions that need MRPT's map classes. */
+
+#include <mrpt/fusion/export.h>
 #include <mrpt/fusion/fusion_scene.h>
 #include <mrpt/fusion/map_files.h>
 #include <mrpt/maps/CEdgeVoxelMap.h>
@@ -13,8 +17,11 @@ using mrpt::maps::CMetricMap;
 using mrpt::maps::CProbOctoMap;
 using mrpt::obs::CObservationLocalMap;
 
+namespace map_fusion {
+
 namespace {
 
+/** Returns a map to work on. \exception std::runtime_error If it is not a 3-D occupancy map. */
 LoadedMap workable(const CMetricMap::Ptr& map) {
   if (const auto* edges = dynamic_cast<const CEdgeVoxelMap*>(map.get()))
     return {
@@ -26,17 +33,21 @@ LoadedMap workable(const CMetricMap::Ptr& map) {
   return {{octomap, &octomap->octree()}, nullptr, std::const_pointer_cast<CProbOctoMap>(octomap)};
 }
 
-/** As it was read, or as one of our classes. */
+/** Returns the map as it was read, or else as one of our classes. */
 CMetricMap::Ptr mrptMapOf(const LoadedMap& map) {
   if (map.mrpt) return map.mrpt;
   if (map.edges) return std::make_shared<CEdgeVoxelMap>(*map.edges);
   return std::make_shared<CProbOctoMap>(*map.octree);
 }
 
+mrpt::fusion::BuildParams toParams(const MapDefinition& definition) {
+  return {definition.config, definition.section, definition.progress};
+}
+
 class MapsOfModule : public MrptMaps {
  public:
-  LoadedMap load(const std::string& path, const mrpt::fusion::BuildParams& params) const override {
-    const CMetricMap::Ptr map = mrpt::fusion::loadAnyMap(path, params);
+  LoadedMap load(const std::string& path, const MapDefinition& definition) const override {
+    const CMetricMap::Ptr map = mrpt::fusion::loadAnyMap(path, toParams(definition));
     return mrpt::fusion::withPath(path, [&] { return workable(map); });
   }
 
@@ -67,9 +78,8 @@ class MapsOfModule : public MrptMaps {
     mrpt::fusion::saveLocalMaps(observations, path);
   }
 
-  BuiltMap build(const std::string& recording,
-                 const mrpt::fusion::BuildParams& params) const override {
-    const auto built = mrpt::fusion::buildMap(recording, params);
+  BuiltMap build(const std::string& recording, const MapDefinition& definition) const override {
+    const auto built = mrpt::fusion::buildMap(recording, toParams(definition));
     LoadedMap map;
     map.mrpt = built.map;
     if (const auto octomap = mrpt::fusion::asProbOctoMap(CMetricMap::ConstPtr(built.map)))
@@ -81,20 +91,19 @@ class MapsOfModule : public MrptMaps {
     mrpt::fusion::saveMap(*mrptMapOf(map), path);
   }
 
-  void drawScene(const mrpt::fusion::FusionView& view, const std::string& path) const override {
+  void drawScene(const SceneContents& c, const std::string& path) const override {
+    const mrpt::fusion::FusionView view{
+        c.a, c.b, c.pose, c.pairs, c.edges_a, c.edges_b, c.inlier_mahalanobis, c.fused};
     mrpt::fusion::saveObject(*mrpt::fusion::drawFusion(view), path);
-  }
-  void drawPicture(const mrpt::fusion::OccupiedVoxels& a, const mrpt::fusion::OccupiedVoxels& b,
-                   const std::vector<TopViewPanel>& panels,
-                   const std::string& path) const override {
-    drawTopView(a, b, panels, path);
   }
 };
 
 }  // namespace
 
-/** What mrptMaps() looks for. */
-extern "C" const MrptMaps* mrptMapsOfModule() {
-  static const MapsOfModule maps;
+}  // namespace map_fusion
+
+/** The function that mrptMaps() calls. */
+extern "C" MRPT_FUSION_API const map_fusion::MrptMaps* mrptMapsOfModule() {
+  static const map_fusion::MapsOfModule maps;
   return &maps;
 }

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Shows progress, and checks and writes output files. */
+
 #include "output.h"
 
 #include <sys/stat.h>
@@ -8,7 +11,12 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "fusion_octree/files.h"
+#include "mrpt_maps.h"
+
 namespace fs = std::filesystem;
+
+namespace map_fusion {
 
 Progress::Progress(bool wanted) : on_(wanted && ::isatty(STDERR_FILENO) == 1) {}
 
@@ -38,7 +46,7 @@ void checkWritable(const std::string& path, const std::vector<std::string>& inpu
       throw std::runtime_error(path + ": is an input and is not overwritten");
   if (fs::is_directory(path, ignored)) throw std::runtime_error(path + ": is a directory");
   std::error_code is_new;
-  const fs::path target = fs::canonical(path, is_new);  // where a link leads to
+  const fs::path target = fs::canonical(path, is_new);  // the target of a link
   const fs::path parent = (is_new ? fs::absolute(path) : target).parent_path();
   if (!fs::is_directory(parent, ignored))
     throw std::runtime_error(path + ": there is no directory " + parent.string());
@@ -48,3 +56,13 @@ void checkWritable(const std::string& path, const std::vector<std::string>& inpu
       (!in_place && ::access(parent.c_str(), W_OK) != 0))
     throw std::runtime_error(path + ": cannot be written: permission denied");
 }
+
+void saveMap(const std::shared_ptr<const octomap::OcTree>& map, const std::string& path) {
+  const std::string extension = fs::path(path).extension();
+  if (extension == ".ot" || extension == ".bt")
+    mrpt::fusion::saveOcTree(*map, path);
+  else
+    mrptMaps().save({map, nullptr, nullptr}, path);
+}
+
+}  // namespace map_fusion

@@ -1,10 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <octomap/OcTree.h>
+
+#include <memory>
 #include <string>
 #include <vector>
 
-/** Long work's progress: one line on stderr, rewritten, if stderr is a terminal. */
+/** \file
+ * Progress on the terminal, and output files. */
+
+namespace map_fusion {
+
+/** Shows the progress of long work in one line on stderr, if stderr is a terminal. */
 class Progress {
  public:
   explicit Progress(bool wanted);
@@ -17,9 +25,16 @@ class Progress {
   bool shown_ = false;
 };
 
-/** Whether a path (may be empty) names what standard output goes to. */
+/** Returns whether a path names the file, device or pipe that is standard output. The path may be
+ * empty. */
 bool isStandardOutput(const std::string& path);
 
-/** Throws unless a file can be created there, so that a long run does not fail at its end.
- * \exception std::runtime_error "<path>: <reason>"; also if it is one of the inputs. */
+/** Checks that a file can be created, so that a long run does not fail at its end.
+ * \exception std::runtime_error "<path>: <reason>" if it cannot, or if the file is an input. */
 void checkWritable(const std::string& path, const std::vector<std::string>& inputs);
+
+/** Saves a map: `.ot` and `.bt` by extension, otherwise as MRPT serializes it.
+ * \exception std::runtime_error "<path>: <reason>". */
+void saveMap(const std::shared_ptr<const octomap::OcTree>& map, const std::string& path);
+
+}  // namespace map_fusion

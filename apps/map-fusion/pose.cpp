@@ -1,20 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Parses and writes poses. */
+
 #include "pose.h"
 
 #include <mrpt/fusion/poses.h>
 
 #include <Eigen/SVD>
+#include <cmath>
 #include <sstream>
 #include <stdexcept>
 #include <vector>
 
 #include "fusion_base/error_text.h"
 #include "fusion_base/files.h"
-#include "fusion_octree/files.h"
+
+namespace map_fusion {
 
 namespace {
 
-/** All numbers in a text; throws if there is anything else, or not \a count of them. */
+/** Parses a text of \a count numbers. \exception std::runtime_error "<what>: <reason>". */
 std::vector<double> parseNumbers(const std::string& text, size_t count, const std::string& what) {
   std::istringstream in(text);
   std::vector<double> numbers;
@@ -77,3 +82,5 @@ std::string toMatrixText(const mrpt::poses::CPose3D& pose) {
   out << std::fixed << mrpt::fusion::toEigen(pose).matrix() << "\n";
   return out.str();
 }
+
+}  // namespace map_fusion

@@ -5,10 +5,17 @@
 
 #include <string>
 
-/** A pose from the command line: "[x y z yaw pitch roll]" (m, deg), or the name of a file that
- * holds a 4x4 row-major matrix. \exception std::runtime_error Naming the text or the file, if it is
- * neither or not a rigid transform (to 1e-3, what rounding in a text file leaves). */
+/** \file
+ * Poses on the command line and in text files. */
+
+namespace map_fusion {
+
+/** Parses a pose: "[x y z yaw pitch roll]" (m, deg), or the name of a file with a 4x4 row-major
+ * matrix. \exception std::runtime_error "<text or path>: <reason>", also if the matrix is not a
+ * rigid transform to within 1e-3. Text files are rounded, so the tolerance is wide. */
 mrpt::poses::CPose3D parsePose(const std::string& text);
 
-/** The 4x4 row-major matrix as text, as parsePose() reads it from a file. */
+/** Returns the text of a 4x4 row-major matrix file, see parsePose(). */
 std::string toMatrixText(const mrpt::poses::CPose3D& pose);
+
+}  // namespace map_fusion

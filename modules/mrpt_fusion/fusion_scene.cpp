@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Draws the result of a fusion as a 3-D scene. */
+
 #include <mrpt/fusion/evaluation.h>
 #include <mrpt/fusion/fusion_scene.h>
 #include <mrpt/fusion/poses.h>
@@ -7,11 +10,10 @@
 #include <cmath>
 
 using namespace mrpt::fusion;
-using namespace mrpt::slam;
-using mrpt::fusion::viz::COctoMapVoxels;
-using mrpt::fusion::viz::CSetOfLines;
 using mrpt::img::TColor;
 using mrpt::poses::CPose3D;
+using viz::COctoMapVoxels;
+using viz::CSetOfLines;
 
 namespace {
 
@@ -19,7 +21,7 @@ constexpr TColor kOrange{230, 140, 30}, kBlue{50, 110, 220}, kBlack{20, 20, 20},
 
 mrpt::math::TPoint3Df toPoint(const Eigen::Vector3f& p) { return {p.x(), p.y(), p.z()}; }
 
-/** Cubes for some voxels, coloured by their probability. */
+/** Draws voxels as cubes. Their colour depends on their probability. */
 template <class ColourOf>
 COctoMapVoxels::Ptr drawVoxels(const char* name, const OccupiedVoxels& voxels,
                                ColourOf&& colourOf) {
@@ -48,15 +50,15 @@ CSetOfLines::Ptr drawLines(const char* name, const TColor& colour) {
   return lines;
 }
 
-mrpt::fusion::viz::CSetOfObjects::Ptr drawEdges(const char* name, const EdgeVoxels& edges) {
-  auto set = mrpt::fusion::viz::CSetOfObjects::Create();
+viz::CSetOfObjects::Ptr drawEdges(const char* name, const EdgeVoxels& edges) {
+  auto set = viz::CSetOfObjects::Create();
   set->setName(name);
   if (edges.size() > 0) mrpt::maps::CEdgeVoxelMap(edges).getVisualizationInto(*set);
   return set;
 }
 
 void drawPairs(const FusionView& view, const OccupiedVoxels& a, const OccupiedVoxels& b,
-               mrpt::fusion::Scene& scene) {
+               Scene& scene) {
   auto inliers = drawLines("inliers", kBlack), outliers = drawLines("outliers", kRed);
   const Eigen::Isometry3d T_a_b = toEigen(view.pose);
   for (const Pair& pair : view.pairs) {
@@ -74,15 +76,15 @@ void drawPairs(const FusionView& view, const OccupiedVoxels& a, const OccupiedVo
 
 }  // namespace
 
-mrpt::fusion::Scene::Ptr mrpt::fusion::drawFusion(const FusionView& view) {
-  auto scene = mrpt::fusion::Scene::Create();
+Scene::Ptr mrpt::fusion::drawFusion(const FusionView& view) {
+  auto scene = Scene::Create();
   const OccupiedVoxels a = extractOccupiedVoxels(view.a), b = extractOccupiedVoxels(view.b);
   scene->insert(drawVoxels("map A", a, [](double) { return kOrange; }));
   scene->insert(drawEdges("edges A", view.edges_a));
-  const auto of_b = {std::static_pointer_cast<mrpt::fusion::viz::CRenderizable>(
-                         drawVoxels("map B", b, [](double) { return kBlue; })),
-                     std::static_pointer_cast<mrpt::fusion::viz::CRenderizable>(
-                         drawEdges("edges B", view.edges_b))};
+  const auto of_b = {
+      std::static_pointer_cast<viz::CRenderizable>(
+          drawVoxels("map B", b, [](double) { return kBlue; })),
+      std::static_pointer_cast<viz::CRenderizable>(drawEdges("edges B", view.edges_b))};
   for (const auto& object : of_b) {
     object->setPose(view.pose);
     scene->insert(object);

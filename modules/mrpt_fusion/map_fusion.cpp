@@ -6,10 +6,7 @@
 
 #include "fusion_base/error_text.h"
 
-using namespace mrpt::slam;
-using mrpt::fusion::matchable;
-using mrpt::fusion::MatchableMap;
-using mrpt::fusion::RobotMap;
+using namespace mrpt::fusion;
 using mrpt::obs::CObservationLocalMap;
 
 bool FusionResult::isComplete() const {
@@ -17,7 +14,7 @@ bool FusionResult::isComplete() const {
                      [](const auto& m) { return m.joined || m.info.by_edges; });
 }
 
-FusionResult mrpt::fusion::fuseMaps(const CProbabilisticMapMatching& matching,
+FusionResult mrpt::fusion::fuseMaps(const mrpt::slam::CProbabilisticMapMatching& matching,
                                     const std::vector<CObservationLocalMap::Ptr>& maps,
                                     bool even_rejected, const OnMember& on_member) {
   std::vector<MatchableMap> matchables;  // what the views point to

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * CEdgeVoxelMap: serialization and drawing. */
+
 #include <mrpt/fusion/edge_octree.h>
 #include <mrpt/maps/CEdgeVoxelMap.h>
 #include <mrpt/serialization/CArchive.h>
@@ -12,28 +15,26 @@
 
 using namespace mrpt::fusion;
 using namespace mrpt::maps;
-using mrpt::fusion::EdgeVoxels;
 
 IMPLEMENTS_SERIALIZABLE(CEdgeVoxelMap, CMetricMap, mrpt::maps)
 
-CEdgeVoxelMap::CEdgeVoxelMap(const CProbOctoMap& map, const mrpt::fusion::EdgeParams& params)
-    : CEdgeVoxelMap(extractEdges(mrpt::fusion::extractOccupiedVoxels(map.octree()), params)) {}
+CEdgeVoxelMap::CEdgeVoxelMap(const CProbOctoMap& map, const EdgeParams& params)
+    : CEdgeVoxelMap(extractEdges(extractOccupiedVoxels(map.octree()), params)) {}
 
 CEdgeVoxelMap::CEdgeVoxelMap(const EdgeVoxels& edges)
-    : m_edges(mrpt::fusion::edgesOf(mrpt::fusion::probabilityTree(edges), edges.direction_radius)) {
-}
+    : m_edges(edgesOf(probabilityTree(edges), edges.direction_radius)) {}
 
 uint8_t CEdgeVoxelMap::serializeGetVersion() const { return 0; }
 
 void CEdgeVoxelMap::serializeTo(mrpt::serialization::CArchive& out) const {
   out << genericMapParams << m_edges.resolution << m_edges.direction_radius;
-  writeBlob(out, isEmpty() ? std::string() : compressNodes(mrpt::fusion::probabilityTree(m_edges)));
+  writeBlob(out, isEmpty() ? std::string() : compressNodes(probabilityTree(m_edges)));
   writeEndMark(out);
 }
 
 void CEdgeVoxelMap::serializeFrom(mrpt::serialization::CArchive& in, uint8_t version) {
   if (version != 0) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
-  CEdgeVoxelMap map;  // first: what ends early leaves this one as it was
+  CEdgeVoxelMap map;  // this map stays as it was if the stream ends early
   double resolution = 0, direction_radius = 0;
   in >> map.genericMapParams >> resolution >> direction_radius;
   const std::string nodes = readBlob(in);
@@ -41,15 +42,15 @@ void CEdgeVoxelMap::serializeFrom(mrpt::serialization::CArchive& in, uint8_t ver
   if (!nodes.empty()) {
     ASSERTMSG_(resolution > 0 && std::isfinite(resolution) && direction_radius >= 0 &&
                    direction_radius < 100 * resolution,
-               "CEdgeVoxelMap: corrupt stream: no voxel size or radius");
+               "CEdgeVoxelMap: corrupt stream: wrong voxel size or radius");
     octomap::OcTree tree(resolution);
     decompressNodes(nodes, tree);
-    map.m_edges = mrpt::fusion::edgesOf(tree, direction_radius);
+    map.m_edges = edgesOf(tree, direction_radius);
   }
   *this = std::move(map);
 }
 
-octomap::OcTree CEdgeVoxelMap::asOcTree() const { return mrpt::fusion::occupancyTree(m_edges); }
+octomap::OcTree CEdgeVoxelMap::asOcTree() const { return occupancyTree(m_edges); }
 
 std::string CEdgeVoxelMap::asString() const {
   return mrpt::format("Structural edges, %zu voxels of %.03f m", size(), getResolution());
@@ -73,7 +74,7 @@ void CEdgeVoxelMap::getVisualizationInto(viz::CSetOfObjects& o) const {
 }
 
 void CEdgeVoxelMap::saveMetricMapRepresentationToFile(const std::string& filNamePrefix) const {
-  writeFileAtomically(filNamePrefix + ".ply", mrpt::fusion::toPly(m_edges));
+  writeFileAtomically(filNamePrefix + ".ply", toPly(m_edges));
 }
 
 bool CEdgeVoxelMap::internal_insertObservation(const mrpt::obs::CObservation&,
@@ -82,7 +83,7 @@ bool CEdgeVoxelMap::internal_insertObservation(const mrpt::obs::CObservation&,
 }
 double CEdgeVoxelMap::internal_computeObservationLikelihood(const mrpt::obs::CObservation&,
                                                             const mrpt::poses::CPose3D&) const {
-  THROW_EXCEPTION("CEdgeVoxelMap: edges say nothing of how likely an observation is");
+  THROW_EXCEPTION("CEdgeVoxelMap: edges have no likelihood of observations");
 }
 bool CEdgeVoxelMap::internal_canComputeObservationLikelihood(const mrpt::obs::CObservation&) const {
   return false;

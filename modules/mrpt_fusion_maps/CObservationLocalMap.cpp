@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * CObservationLocalMap: serialization and description. */
+
 #include <mrpt/maps/CProbOctoMap.h>
 #include <mrpt/obs/CObservationLocalMap.h>
 #include <mrpt/serialization/CArchive.h>
@@ -18,11 +21,11 @@ IMPLEMENTS_SERIALIZABLE(CObservationLocalMap, CObservation, mrpt::obs)
 
 namespace {
 
+/** The kind of map in a stream. */
 enum class Content : uint8_t { None, OcTree, Other };
 
-/** All of a map but its nodes. */
+/** Returns a map without the nodes. */
 CProbOctoMap withoutNodes(const CProbOctoMap& map) {
-  using mrpt::fusion::OcTreeAccess;
   CProbOctoMap hull(map.getResolution());
   hull.genericMapParams = map.genericMapParams;
   hull.insertionOptions = map.insertionOptions;
@@ -35,7 +38,7 @@ CProbOctoMap withoutNodes(const CProbOctoMap& map) {
 void writeMap(mrpt::serialization::CArchive& out, const CMetricMap* map) {
   if (const auto* octomap = dynamic_cast<const CProbOctoMap*>(map)) {
     out << static_cast<uint8_t>(Content::OcTree) << withoutNodes(*octomap);
-    mrpt::fusion::writeBlob(out, mrpt::fusion::compressNodes(octomap->octree()));
+    writeBlob(out, compressNodes(octomap->octree()));
   } else if (map) {
     out << static_cast<uint8_t>(Content::Other) << *map;
   } else {
@@ -52,16 +55,16 @@ CMetricMap::Ptr readMap(mrpt::serialization::CArchive& in) {
     case Content::OcTree: {
       auto octomap = std::make_shared<CProbOctoMap>();
       in >> *octomap;
-      mrpt::fusion::decompressNodes(mrpt::fusion::readBlob(in), octomap->octree());
+      decompressNodes(readBlob(in), octomap->octree());
       return octomap;
     }
     case Content::Other: {
       auto map = std::dynamic_pointer_cast<CMetricMap>(in.ReadObject());
-      ASSERTMSG_(map, "CObservationLocalMap: corrupt stream: it holds something that is no map");
+      ASSERTMSG_(map, "CObservationLocalMap: corrupt stream: an object in it is not a map");
       return map;
     }
   }
-  THROW_EXCEPTION("CObservationLocalMap: corrupt stream: a map of no known kind");
+  THROW_EXCEPTION("CObservationLocalMap: corrupt stream: unknown kind of map");
 }
 
 }  // namespace
@@ -72,20 +75,20 @@ uint8_t CObservationLocalMap::serializeGetVersion() const { return 0; }
 
 void CObservationLocalMap::serializeTo(mrpt::serialization::CArchive& out) const {
   out << timestamp;
-  mrpt::fusion::writeBlob(out, sensorLabel);
+  writeBlob(out, sensorLabel);
   out << sequence << pose;
   writeMap(out, map.get());
-  mrpt::fusion::writeEndMark(out);
+  writeEndMark(out);
 }
 
 void CObservationLocalMap::serializeFrom(mrpt::serialization::CArchive& in, uint8_t version) {
   if (version != 0) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
-  CObservationLocalMap read;  // first: what ends early leaves this one as it was
+  CObservationLocalMap read;  // this object stays as it was if the stream ends early
   in >> read.timestamp;
-  read.sensorLabel = mrpt::fusion::readBlob(in);
+  read.sensorLabel = readBlob(in);
   in >> read.sequence >> read.pose;
   read.map = readMap(in);
-  mrpt::fusion::readEndMark(in);
+  readEndMark(in);
   *this = std::move(read);
 }
 

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * CProbOctoMap: conversion from and to the octomaps of MRPT, with colours, and from any map. */
+
 #include <mrpt/fusion/compat.h>
 #include <mrpt/maps/CColouredOctoMap.h>
+#include <mrpt/maps/CMultiMetricMap.h>
 #include <mrpt/maps/COccupancyGridMap3D.h>
 #include <mrpt/maps/CProbOctoMap.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+#include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "fusion_octree/build.h"
@@ -25,10 +30,11 @@ double probability(float log_odds) {
   return 1.0 / (1.0 + std::exp(-static_cast<double>(log_odds)));
 }
 
-/** Log-odds as far as double-valued probabilities reach: beyond, they are 0 or 1. */
+/** Largest log-odds with a probability other than 0 and 1 in double precision. */
 constexpr float kMaxLogOdds = 36.0F;
 
-/** The probability that OctoMap turns into exactly these log-odds, or as near as doubles allow. */
+/** Returns the probability that OctoMap converts to these log-odds. If no double gives exactly
+ * these log-odds, returns the nearest. */
 double exactProbability(float log_odds) {
   ASSERTMSG_(std::abs(log_odds) <= kMaxLogOdds,
              "CProbOctoMap: log-odds too large for a probability in MRPT's octomaps");
@@ -38,13 +44,14 @@ double exactProbability(float log_odds) {
   return p;
 }
 
-/** A leaf cube and its value, ordered by the cube's place in the tree. */
+/** A leaf: its cube and its value. */
 struct LeafCube {
   OcTreeCube cube;
   float log_odds;
 };
 
-/** Builds a tree from leaf cubes that are grouped by child at each level on the way down. */
+/** Builds a tree from a list of leaves. Each level distributes the leaves of a cube to its
+ * children. */
 class LeafListVisitor {
  public:
   struct State {
@@ -66,16 +73,16 @@ class LeafListVisitor {
   }
 };
 
-/** A tree with the leaves and sensor model of one of MRPT's octomaps. */
+/** Returns a tree with the leaves and the sensor model of an octomap of MRPT. */
 template <class TheirMap>
 std::unique_ptr<octomap::OcTree> treeOf(const TheirMap& o) {
-  // Its leaf cubes come out through the drawing API, as its renderingOptions allow.
+  // Only the drawing API returns leaf cubes, and renderingOptions decide which it returns.
   viz::COctoMapVoxels voxels;
   const auto& drawn = o.renderingOptions;
   if (drawn.generateOccupiedVoxels && drawn.generateFreeVoxels) {
     o.getAsOctoMapVoxels(voxels);
   } else {
-    TheirMap copy(o);  // without its colours, see toColouredOctoMap()
+    TheirMap copy(o);  // loses the colours, which are not needed here
     copy.renderingOptions = {};
     copy.getAsOctoMapVoxels(voxels);
   }
@@ -109,7 +116,7 @@ std::unique_ptr<octomap::OcTree> treeOf(const TheirMap& o) {
   return tree;
 }
 
-/** Options are of a type of each map's own, with the same fields. */
+/** Copies options. Each map class has its own option types, with the same fields. */
 template <class From, class To>
 void copyOptions(const From& from, To& to) {
   to.genericMapParams = from.genericMapParams;
@@ -123,11 +130,12 @@ void copyOptions(const From& from, To& to) {
   to.insertionOptions.pruning = from.insertionOptions.pruning;
 }
 
-/** Gives one of MRPT's octomaps, a fresh one, the leaves, sensor model and options of ours. */
+/** Fills an empty octomap of MRPT with the leaves, the sensor model and the options of a map. */
 template <class TheirMap>
 void fill(TheirMap& result, const CProbOctoMap& map) {
   const octomap::OcTree& tree = map.octree();
-  // One "hit" or "miss" of just the wanted strength on each voxel, with nothing clamped.
+  // Each voxel gets one hit or miss of exactly the wanted strength. The thresholds are so wide that
+  // nothing is clamped.
   constexpr double kTiny = 1e-16;
   result.setClampingThresMin(kTiny);
   result.setClampingThresMax(1 - kTiny);
@@ -179,10 +187,10 @@ namespace {
 using Colour = std::array<uint8_t, 3>;
 using mrpt::math::TPoint3D;
 
-/** The colour of an occupied voxel of a map at a point of its frame. */
+/** Returns the colour of the occupied voxel at a point of the frame of a map. */
 std::optional<Colour> colourAt(const CColouredOctoMap& map, const TPoint3D& p) {
   const auto x = static_cast<float>(p.x), y = static_cast<float>(p.y), z = static_cast<float>(p.z);
-  constexpr Colour kUnset = {255, 255, 255};  // octomap's
+  constexpr Colour kUnset = {255, 255, 255};  // default of octomap
   double occupancy = 0;
   Colour c = kUnset;
   if (!map.getPointOccupancy(x, y, z, occupancy) || occupancy < map.getOccupancyThres() ||
@@ -191,8 +199,8 @@ std::optional<Colour> colourAt(const CColouredOctoMap& map, const TPoint3D& p) {
   return c;
 }
 
-/** The colour of the occupied voxel of a map that is nearest to a point of its frame, centre to
- * point; nothing if none that has one is within \a reach (m). */
+/** Returns the colour of the coloured, occupied voxel whose centre is nearest to a point of the
+ * frame of a map. Returns nothing if no such centre is within \a reach, m. */
 std::optional<Colour> nearestColour(const CColouredOctoMap& map, const TPoint3D& p, double reach) {
   if (const auto here = colourAt(map, p)) return here;  // no other centre is nearer
   const double voxel = map.getResolution();
@@ -243,7 +251,7 @@ std::shared_ptr<CColouredOctoMap> CProbOctoMap::toColouredOctoMap(
   fill(*result, *this);
   const auto method = result->getVoxelColourMethod();
   result->setVoxelColourMethod(CColouredOctoMap::SET);
-  // MRPT has pruned what it was given, and a leaf has one colour.
+  // MRPT has pruned the tree that was filled, and a leaf has one colour.
   octomap::OcTree pruned(*m_octree);
   pruned.prune();
   const auto centre = [&](const octomap::OcTreeKey& key) {
@@ -269,123 +277,46 @@ std::shared_ptr<CColouredOctoMap> CProbOctoMap::toColouredOctoMap(
   return result;
 }
 
-// ---------------------------------------------------------------- COccupancyGridMap3D
+// ---------------------------------------------------------------- any map
 
 namespace {
 
-using Grid = COccupancyGridMap3D;
+/** Returns the octomap of a map of one class. Returns null for maps of other classes. */
+using View = std::shared_ptr<const CProbOctoMap> (*)(const CMetricMap&);
 
-/** Cells hold the log-odds of being free, in this many steps for each unit. */
-constexpr float kCellSteps = 16;
+std::shared_ptr<const CProbOctoMap> itself(const CMetricMap& map) {
+  const auto* ours = dynamic_cast<const CProbOctoMap*>(&map);
+  return {std::shared_ptr<const CProbOctoMap>(), ours};  // not owned
+}
 
-/** Tells what a grid's cells are in an octree, whose keys begin at a cell of its own. */
-class GridVisitor {
- public:
-  struct State {};
-  /** \param[in] first Key of the grid's first cell. */
-  GridVisitor(const Grid::grid_t& cells, const std::array<int64_t, 3>& first)
-      : cells_(cells),
-        first_(first),
-        size_{static_cast<int64_t>(cells.getSizeX()), static_cast<int64_t>(cells.getSizeY()),
-              static_cast<int64_t>(cells.getSizeZ())} {}
+template <class Map>
+std::shared_ptr<const CProbOctoMap> converted(const CMetricMap& map) {
+  const auto* theirs = dynamic_cast<const Map*>(&map);
+  return theirs ? std::make_shared<const CProbOctoMap>(*theirs) : nullptr;
+}
 
-  OcTreeFill visit(const OcTreeCube& cube, const State&) const {
-    std::array<int64_t, 3> c{};
-    for (unsigned axis = 0; axis < 3; axis++) {
-      c[axis] = cube.key[axis] - first_[axis];
-      if (c[axis] + cube.side() <= 0 || c[axis] >= size_[axis]) return OcTreeFill::unknown();
-    }
-    if (cube.depth < OcTreeCube::kMaxDepth) return OcTreeFill::split();
-    // (cellByIndex() takes the cells of a grid that was read from a stream for others: MRPT forgets
-    // to set its stride.)
-    const auto cell =
-        cells_.data()[static_cast<size_t>(c[0] + size_[0] * (c[1] + size_[1] * c[2]))];
-    return cell ? OcTreeFill::leaf(-static_cast<float>(cell) / kCellSteps) : OcTreeFill::unknown();
-  }
-  State descend(const State&, unsigned, const OcTreeCube&) const { return {}; }
-
- private:
-  const Grid::grid_t& cells_;
-  std::array<int64_t, 3> first_, size_;
-};
-
-/** The box of a tree's known voxels: lowest and highest keys. */
-struct KeyBox {
-  std::array<uint32_t, 3> low{UINT32_MAX, UINT32_MAX, UINT32_MAX}, high{0, 0, 0};
-
-  explicit KeyBox(const octomap::OcTree& tree) {
-    forEachLeaf(tree, [&](const OcTreeCube& cube, const octomap::OcTreeNode&) {
-      for (unsigned axis = 0; axis < 3; axis++) {
-        low[axis] = std::min<uint32_t>(low[axis], cube.key[axis]);
-        high[axis] = std::max<uint32_t>(high[axis], cube.key[axis] + cube.side() - 1);
-      }
-    });
-  }
-  double voxels() const {
-    double n = 1;
-    for (unsigned axis = 0; axis < 3; axis++) n *= high[axis] - low[axis] + 1.0;
-    return n;
-  }
-};
-
-/** Reaches what says that a grid has contents, which MRPT sets with observations only. */
-struct GridAccess : Grid {
-  static void setEmpty(Grid& grid, bool empty) { grid.*(&GridAccess::m_is_empty) = empty; }
-};
+/** Returns the octomap of a map, or of the first map of a set for which there is one. */
+std::shared_ptr<const CProbOctoMap> findIn(const CMetricMap& map, View view) {
+  if (auto found = view(map)) return found;
+  if (const auto* several = dynamic_cast<const CMultiMetricMap*>(&map))
+    for (const auto& m : several->maps)
+      if (auto found = findIn(*m, view)) return found;
+  return nullptr;
+}
 
 }  // namespace
 
-CProbOctoMap::CProbOctoMap(const COccupancyGridMap3D& o) : CProbOctoMap() { fromOccupancyGrid(o); }
-
-void CProbOctoMap::fromOccupancyGrid(const COccupancyGridMap3D& o) {
-  const auto& cells = o.m_grid;
-  const double resolution = cells.getResolutionXY();
-  ASSERTMSG_(resolution > 0 && cells.getResolutionZ() == resolution,
-             "CProbOctoMap: the cells of the grid are no cubes");
-  constexpr double kOrigin = 32768;
-  const std::array<double, 3> min{cells.getXMin(), cells.getYMin(), cells.getZMin()};
-  const std::array<size_t, 3> size{cells.getSizeX(), cells.getSizeY(), cells.getSizeZ()};
-  std::array<int64_t, 3> first{};
-  for (unsigned axis = 0; axis < 3; axis++) {
-    const double key = std::round(min[axis] / resolution) + kOrigin;
-    ASSERTMSG_(key >= 0 && key + static_cast<double>(size[axis]) <= 2 * kOrigin,
-               "CProbOctoMap: the grid reaches beyond what an octree of its resolution can hold");
-    first[axis] = static_cast<int64_t>(key);
-  }
-  ASSERTMSG_(cells.data().size() == size[0] * size[1] * size[2],
-             "CProbOctoMap: the grid has not the cells that its size says");
-  auto tree = std::make_unique<octomap::OcTree>(resolution);
-  GridVisitor visitor(cells, first);
-  buildOcTree(*tree, {}, visitor);
-  OcTreeAccess::setSensorModel(*tree, OcTreeAccess::sensorModel(*m_octree));
-  m_octree = std::move(tree);
+std::shared_ptr<const CProbOctoMap> mrpt::fusion::asProbOctoMap(const CMetricMap& map) {
+  // The class that keeps most information comes first, not the first map of a set.
+  for (const auto view : {&itself, &converted<COctoMap>, &converted<CColouredOctoMap>,
+                          &converted<COccupancyGridMap3D>})
+    if (auto found = findIn(map, view)) return found;
+  return nullptr;
 }
 
-void CProbOctoMap::toOccupancyGrid(COccupancyGridMap3D& o) const {
-  const double side = getResolution();
-  if (isEmpty()) {
-    o.setSize({0, 0, 0}, {side, side, side}, side);
-    GridAccess::setEmpty(o, true);
-    return;
-  }
-  const KeyBox box(*m_octree);
-  ASSERTMSG_(box.voxels() <= static_cast<double>(kMaxVoxels),
-             mrpt::format("CProbOctoMap: a grid of this map would have %.0f cells, more than %zu",
-                          box.voxels(), kMaxVoxels));
-  const auto corner = [&](const std::array<uint32_t, 3>& key, double voxels) {
-    const auto coord = [&](unsigned axis) {
-      return m_octree->keyToCoord(static_cast<octomap::key_type>(key[axis])) + voxels * side;
-    };
-    return mrpt::math::TPoint3D(coord(0), coord(1), coord(2));
-  };
-  o.setSize(corner(box.low, -0.5), corner(box.high, 0.5), side);
-  GridAccess::setEmpty(o, false);
-  forEachLeaf(*m_octree, [&](const OcTreeCube& cube, const octomap::OcTreeNode& node) {
-    const float steps = std::clamp<float>(std::round(-kCellSteps * node.getLogOdds()),
-                                          Grid::CELLTYPE_MIN, Grid::CELLTYPE_MAX);
-    forEachVoxel(cube, [&](const octomap::OcTreeKey& key) {
-      *o.m_grid.cellByIndex(key[0] - box.low[0], key[1] - box.low[1], key[2] - box.low[2]) =
-          static_cast<Grid::voxelType>(steps);
-    });
-  });
+std::shared_ptr<const CProbOctoMap> mrpt::fusion::asProbOctoMap(const CMetricMap::ConstPtr& map) {
+  const auto octomap = asProbOctoMap(*map);
+  if (!octomap) return nullptr;
+  return {std::make_shared<std::pair<CMetricMap::ConstPtr, decltype(octomap)>>(map, octomap),
+          octomap.get()};
 }

@@ -8,18 +8,19 @@
 #include <string>
 
 /** \file
- * Large fields in MRPT's archives, read so that a damaged stream does no harm. */
+ * Large fields in the archives of MRPT. A damaged stream causes an exception. */
 
 namespace mrpt::fusion {
 
-/** Writes a length and so many bytes. */
+/** Writes the number of bytes, then the bytes. */
 inline void writeBlob(mrpt::serialization::CArchive& out, const std::string& bytes) {
   out << static_cast<uint64_t>(bytes.size());
   if (!bytes.empty()) out.WriteBuffer(bytes.data(), bytes.size());
 }
 
-/** Inverse of writeBlob(). Reads in blocks: a length field that lies runs into the end of the
- * stream before it has taken much memory. \exception std::exception If the stream ends early. */
+/** Reads what writeBlob() has written. Reads in blocks, so that a wrong length reaches the end of
+ * the stream before much memory is allocated. \exception std::exception If the stream ends early.
+ */
 inline std::string readBlob(mrpt::serialization::CArchive& in) {
   constexpr uint64_t kBlock = 1 << 20;
   uint64_t size = 0;
@@ -34,9 +35,10 @@ inline std::string readBlob(mrpt::serialization::CArchive& in) {
   return bytes;
 }
 
-/** Ends an object: MRPT takes part of a number for all of it where a stream ends early. */
+/** Marks the end of an object. If a stream ends within a number, MRPT reads a wrong number and does
+ * not throw. The mark detects this. */
 inline void writeEndMark(mrpt::serialization::CArchive& out) { out << uint32_t{0x50524f42}; }
-/** \exception std::exception If the stream ended early. */
+/** Reads the mark. \exception std::exception If the stream has ended early. */
 inline void readEndMark(mrpt::serialization::CArchive& in) {
   uint32_t mark = 0;
   in >> mark;

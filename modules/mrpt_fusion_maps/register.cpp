@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Registers the classes of this library. */
+
 #include <mrpt/core/initializer.h>
 #include <mrpt/maps/CEdgeVoxelMap.h>
 #include <mrpt/maps/CProbOctoMap.h>
 #include <mrpt/obs/CObservationLocalMap.h>
 #include <mrpt/rtti/CObject.h>
 
-/** Joins MRPT's class factory when the library loads, linked or as a plugin. */
+/** Registers the classes in MRPT when the library is loaded, as a linked library or as a plugin. */
 MRPT_INITIALIZER(registerFusionMaps) {
   mrpt::rtti::registerClass(CLASS_ID(mrpt::maps::CEdgeVoxelMap));
   mrpt::rtti::registerClass(CLASS_ID(mrpt::maps::CProbOctoMap));

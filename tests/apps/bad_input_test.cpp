@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Tests of bad input: message, exit code and no output. */
+
 #include <octomap/octomap.h>
 
 #include <algorithm>
@@ -7,8 +10,8 @@
 
 namespace {
 
-/** Each way to fail: one line on stderr that names the culprit, the documented exit code, no
- * output. */
+/** Each failure prints one line on stderr that names the culprit, returns the documented exit code,
+ * and leaves no output. */
 class BadInput : public AppTest {
  protected:
   void expectFailure(const std::string& arguments, const std::string& culprit, int code = 1) const {

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Tests that the installed settings files hold the parameters of the code. */
+
 #include <gtest/gtest.h>
 #include <mrpt/config/CConfigFileMemory.h>
 #include <mrpt/slam/CProbabilisticMapMatching.h>
@@ -21,8 +24,8 @@ std::string toIni(const Options& options, const std::string& header) {
   return header + text;
 }
 
-/** The published algorithm: all voxels, walks in all directions, no search, point-to-point voxels,
- * constant gates, the statistical test alone, the relative-entropy filter. */
+/** Returns the options of the published algorithm: all voxels, walks in all directions, no search,
+ * pairs of points, constant gates, the statistical test only, the relative-entropy filter. */
 Options paperOptions() {
   Options o;
   o.match.edges.min_surface_variation = 0;
@@ -44,7 +47,7 @@ Options paperOptions() {
   return o;
 }
 
-/** The file must hold what the code says; with UPDATE_CONFIG_FILES set it is written anew. */
+/** Expects the contents of a settings file. Writes the file if UPDATE_CONFIG_FILES is set. */
 void expectFile(const std::string& name, const std::string& contents) {
   const std::string path = std::string(CONFIG_DIR) + "/" + name;
   if (std::getenv("UPDATE_CONFIG_FILES")) std::ofstream(path) << contents;

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Tests of the commands on missions and teams. */
+
 #include <nlohmann/json.hpp>
 
 #include "run.h"
@@ -7,7 +10,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/** Rawlogs that carry several robots' maps. */
+/** Rawlogs with the maps of several robots. */
 class Missions : public AppTest {
  protected:
   size_t sizeOf(const std::string& file) const { return fs::file_size(dir_ / file); }
@@ -32,7 +35,7 @@ TEST_F(Missions, AreFused) {
   for (int row = 0; row < 3; row++)
     EXPECT_NEAR(robots[1].at("pose").at("matrix")[row][3], truth(row, 3), 0.1);
 
-  // As from the files themselves.
+  // The files of the robots give the same result.
   ASSERT_EQ(mapFusion("fuse " + both() + " -o direct.ot").code, 0);
   EXPECT_TRUE(readFile(dir_ / "fused.ot") == readFile(dir_ / "direct.ot"));
 }

@@ -6,7 +6,10 @@
 
 #include "support/run_program.h"
 
-/** map-fusion, run in a fresh folder. */
+/** \file
+ * Runs map-fusion in tests. */
+
+/** A test that runs map-fusion in a new folder. */
 class AppTest : public ProgramTest {
  protected:
   Result mapFusion(const std::string& arguments) const {
@@ -16,7 +19,7 @@ class AppTest : public ProgramTest {
   static std::string pair(const std::string& file) { return std::string(PAIR_DIR) + "/" + file; }
   static std::string both() { return pair("map_a.ot") + " " + pair("map_b.ot"); }
 
-  /** The true pose of b in a, turned by \a yaw_deg and moved by \a dx: a guess file. */
+  /** Writes a guess file: the true pose of B in A, rotated by \a yaw_deg and moved by \a dx, m. */
   std::string guess(double dx, double yaw_deg) const {
     Eigen::Isometry3d T = readMatrix(pair("T_a_b.txt"));
     T.linear() = Eigen::AngleAxisd(yaw_deg * M_PI / 180, Eigen::Vector3d::UnitZ()) * T.linear();

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Tests of the commands on one map, of --full-6dof and of --help. */
+
 #include <mrpt/slam/CProbabilisticMapMatching.h>
 #include <octomap/octomap.h>
 

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Tests of CObservationLocalMap. */
+
 #include <mrpt/fusion/map_files.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/obs/CObservationLocalMap.h>

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Tests of map files, recordings and damaged files. */
+
 #include <mrpt/config/CConfigFileMemory.h>
 #include <mrpt/core/Clock.h>
 #include <mrpt/fusion/map_files.h>
@@ -25,6 +28,7 @@
 #include "support/observations.h"
 
 using namespace map_tests;
+using namespace mrpt::fusion;
 using namespace mrpt::maps;
 using namespace mrpt::obs;
 using mrpt::config::CConfigFileMemory;
@@ -93,7 +97,7 @@ void writeGz(const std::string& path, const std::string& bytes) {
   out.Write(bytes.data(), bytes.size());
 }
 
-/** A map of point clouds, each inserted at a pose. */
+/** Returns a map of point clouds, each inserted at a pose. */
 CProbOctoMap expectedMap(const std::vector<std::pair<CObservation::Ptr, CPose3D>>& inserted) {
   CProbOctoMap map;
   for (const auto& [obs, pose] : inserted) EXPECT_TRUE(map.insertObservation(*obs, pose));
@@ -105,12 +109,13 @@ const char* const kCrash = "crash";
 
 const CPose3D kPose0(0.3, -0.2, 0.1, 0.2, 0.05, -0.1), kPose2(2.3, 0.8, 0.5, 0.8, 0.05, -0.1);
 
-/** A recording in the observations format, whose second cloud is half-way between two poses. */
+/** Returns a recording in the observations format. The second cloud is half-way between two poses.
+ */
 Objects recording() {
   return {robotPose(0, kPose0), cloud(0, 1), cloud(1, 2), robotPose(2, kPose2)};
 }
 
-/** A recording of few bytes, for tests that run once per byte. */
+/** Returns a recording of few bytes, for tests that run once per byte. */
 Objects shortRecording() {
   return {odometry(0, {0.3, -0.2, 0.1}), odometry(2, {1.3, 0.8, 0.5}), cloud(0.5, 1, 2),
           cloud(1, 2, 2)};
@@ -145,7 +150,7 @@ CSimpleMap simpleMap(unsigned count = 3, size_t points = 100) {
   return frames;
 }
 
-/** What MRPT writes for a null pointer. */
+/** Returns the bytes that MRPT writes for a null pointer. */
 std::string nullObject() {
   mrpt::io::CMemoryStream memory;
   mrpt::serialization::archiveFrom(memory).WriteObject(nullptr);
@@ -166,7 +171,7 @@ CMultiMetricMap several(const std::vector<CMetricMap::Ptr>& maps) {
   return set;
 }
 
-/** "<path>: <reason>" on one line, or what is wrong with it. */
+/** Checks that an error is "<path>: <reason>" on one line. */
 testing::AssertionResult saysWhatIsWrong(const std::string& error, const std::string& path) {
   if (error.empty()) return testing::AssertionFailure() << path << ": no error";
   const std::string start = path + ": ";
@@ -188,7 +193,7 @@ class MapFiles : public testing::Test {
     writeGz(dir.path(name), bytes);
     return dir.path(name);
   }
-  /** That a file gives this map, plain and compressed, whatever its name says. */
+  /** Expects that a file gives this map, plain and compressed, for any name. */
   void expectLoads(const CProbOctoMap& expected, const std::string& bytes) {
     for (const std::string& path :
          {file("plain.ext", bytes), gzFile("packed.gz", bytes), file("lies.ot", bytes),
@@ -198,8 +203,8 @@ class MapFiles : public testing::Test {
       EXPECT_TRUE(sameTree(expected.octree(), map->octree())) << path;
     }
   }
-  /** What loading each of many files comes to: kLoaded, kCrash, or the error. In processes of their
-   * own, short of memory: in a broken file MRPT may find any length, and take it for true. */
+  /** Loads many files. Returns kLoaded, kCrash or the error for each. The files are loaded in other
+   * processes with little memory, because MRPT believes every length in a damaged file. */
   template <class BytesOf>
   std::vector<std::string> resultsOf(size_t count, const BytesOf& bytes_of,
                                      const CProbOctoMap* expected = nullptr) {
@@ -231,7 +236,7 @@ class MapFiles : public testing::Test {
     }
     return results;
   }
-  /** Of the first 0, 1, 2... bytes. \param[in] expected If given, any other map is an error. */
+  /** Loads the first 0, 1, 2, ... bytes. \param[in] expected If set, any other map is an error. */
   std::vector<std::string> resultsOfTruncations(const std::string& bytes,
                                                 const CProbOctoMap* expected = nullptr) {
     return resultsOf(
@@ -272,7 +277,7 @@ TEST_F(MapFiles, LoadsSerializedCOctoMaps) {
   COctoMap theirs(0.1);
   theirs.insertObservation(*cloud(0, 3));
   const std::string bytes = serialized(theirs);
-  // MRPT has left one bit of each voxel: what it reads back itself is what there is to load.
+  // The file of MRPT has one bit per voxel. The expected map is the map that MRPT reads.
   const auto read = std::dynamic_pointer_cast<COctoMap>(deserialized(bytes));
   ASSERT_TRUE(read);
   ASSERT_GT(read->size(), 100U);
@@ -318,7 +323,7 @@ TEST(AsProbOctoMap, TakesColouredOctomapsAndGridsOfCells) {
     ASSERT_TRUE(map);
     EXPECT_TRUE(sameTree(quantised.octree(), map->octree()));
   }
-  // Whatever comes first, the one that has lost nothing is taken.
+  // The map that has lost nothing is taken, in any order.
   EXPECT_EQ(ours.get(), asProbOctoMap(several({grid, coloured, ours})).get());
   EXPECT_TRUE(sameTree(ours->octree(), asProbOctoMap(several({grid, coloured}))->octree()));
 }
@@ -470,7 +475,7 @@ TEST_F(MapFiles, AMapClassThatIsMisspeltIsNamed) {
     const std::string error = errorOf([&] { buildMap(path, params); });
     EXPECT_TRUE(saysWhatIsWrong(error, path));
     const std::string expected =
-        "the section [Robot] asks for '" + name + "', which is no map class";
+        "the section [Robot] asks for '" + name + "', which is not a map class";
     EXPECT_NE(std::string::npos, error.find(expected)) << error;
   }
   for (const std::string name :
@@ -490,7 +495,7 @@ TEST_F(MapFiles, OnlyRecordingsAreBuilt) {
   }
 }
 
-// ---------------------------------------------------------------- files that are refused
+// ---------------------------------------------------------------- files that are rejected
 
 TEST_F(MapFiles, FilesOfOtherKindsAreRefusedOnOneLine) {
   expectRefused(dir.path("missing.ot"));
@@ -511,7 +516,7 @@ TEST_F(MapFiles, TheReasonOfMrptsExceptionsIsTheirMessageNotTheirTitle) {
   const std::string path = file("unknown_class", unknown_class);
   expectRefused(path);
   EXPECT_NE(std::string::npos, errorOf([&] { loadMap(path); }).find("CPose9D"));
-  // Of those that MRPT packs into each other, the one that was thrown first.
+  // MRPT nests exceptions. The message is that of the first exception.
   std::string newer = serialized(CProbOctoMap(smallTree()));
   newer[newer.find("CProbOctoMap") + 12] = 1;
   const std::string newer_path = file("newer", newer);
@@ -545,7 +550,7 @@ TEST_F(MapFiles, RecordingsWithoutPosesOrObservationsAreRefused) {
 
 TEST_F(MapFiles, ANullObjectIsNoMap) {
   const std::string path = file("null", nullObject());
-  // In a process of its own, which a null pointer would end.
+  // In another process, because a null pointer would end it.
   EXPECT_EXIT(
       ::_exit(errorOf([&] { loadMap(path); }).empty() || errorOf([&] { buildMap(path); }).empty()),
       testing::ExitedWithCode(0), "");

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Tests of the conversion of CProbOctoMap from and to the octomaps of MRPT. */
+
 #include <mrpt/maps/CColouredOctoMap.h>
 #include <mrpt/maps/COctoMap.h>
 
@@ -14,7 +17,7 @@ using mrpt::poses::CPose3D;
 
 namespace {
 
-/** A map with values of many hits and misses, lone voxels and pruned leaves. */
+/** Returns a map with values of many hits and misses, single voxels and pruned leaves. */
 template <class Map = COctoMap>
 Map theirMap() {
   Map map(0.1);
@@ -33,7 +36,7 @@ Map theirMap() {
   return map;
 }
 
-/** Where the leaves are and how large, as drawn: what MRPT shows of a tree's structure. */
+/** Returns the positions and sizes of the leaves as MRPT draws them. */
 template <class Map>
 std::map<VoxelIndex, int> leafCubesOf(const Map& map) {
   mrpt::opengl::COctoMapVoxels gl;
@@ -57,7 +60,7 @@ std::map<VoxelIndex, float> logOddsOf(const COctoMap& map) {
   return voxels;
 }
 
-/** Single voxels with these values, not next to each other. */
+/** Returns a map of single voxels with these values, not next to each other. */
 CProbOctoMap mapWithValues(const std::vector<float>& values) {
   auto tree = std::make_unique<octomap::OcTree>(0.1);
   int i = 0;
@@ -182,8 +185,8 @@ TEST(FromOctoMap, AnEmptyMapIsEmpty) {
 }
 
 TEST(FromOctoMap, SaturatedVoxelsStayFinite) {
-  // MRPT's probability of these is exactly 0 or 1, from which no log-odds come back; a tree that
-  // holds an infinity could be saved but never loaded again.
+  // The probability of these voxels is exactly 0 or 1 in MRPT. Its log-odds are infinite, and a
+  // tree with an infinity can be saved but not loaded.
   COctoMap theirs(0.1);
   theirs.setClampingThresMin(1e-300);
   theirs.setClampingThresMax(1);
@@ -282,7 +285,7 @@ TEST(ToOctoMap, ReplacesAllThatTheTargetHeldAndWorksOnAfterwards) {
   const CProbOctoMap map(smallTree());
   map.toOctoMap(theirs);
   EXPECT_TRUE(sameVoxels(occupanciesOf(map), occupanciesOf(theirs)));
-  // Its options must still reach its own tree, not that of a map that is gone.
+  // Its options must belong to its own tree, not to the tree of a destroyed map.
   theirs.insertionOptions.setProbHit(0.9);
   EXPECT_FLOAT_EQ(0.9F, static_cast<float>(theirs.getProbHit()));
   theirs.updateVoxel(5, 5, 5, true);
@@ -313,12 +316,12 @@ TEST(ToOctoMap, LogOddsWithoutAProbabilityThrowAndLeaveTheTargetAsItWas) {
 namespace {
 
 using Colour = std::array<int, 3>;
-const Colour kUnset = {255, 255, 255};  // octomap's
+const Colour kUnset = {255, 255, 255};  // default of octomap
 const Colour kRed = {200, 20, 40}, kGreen = {10, 180, 60}, kBlue = {0, 30, 240};
 
 double coordinateOf(int voxel, double resolution = 0.1) { return (voxel + 0.5) * resolution; }
 
-/** The colour of a voxel; nothing is known of it if that is all -1. */
+/** Returns the colour of a voxel. All channels are -1 if the voxel is unknown. */
 Colour colourOf(const CColouredOctoMap& map, const VoxelIndex& v) {
   uint8_t r = 0, g = 0, b = 0;
   const auto at = [&](int axis) {
@@ -338,7 +341,7 @@ void paint(CColouredOctoMap& map, const VoxelIndex& v, const Colour& c, bool occ
                         static_cast<uint8_t>(c[2]));
 }
 
-/** The voxels of a map that has one value each, not next to each other. */
+/** Returns the voxels of a map of single voxels. */
 CProbOctoMap mapOf(const std::vector<VoxelIndex>& voxels) {
   auto tree = std::make_unique<octomap::OcTree>(0.1);
   for (const auto& v : voxels) putVoxel(*tree, v, 1.5F);

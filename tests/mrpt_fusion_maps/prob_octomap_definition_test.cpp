@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Tests of the map definition and the options of CProbOctoMap. */
+
 #include <mrpt/config/CConfigFileMemory.h>
 #include <mrpt/maps/CMultiMetricMap.h>
 #include <mrpt/maps/COctoMap.h>
@@ -33,7 +36,7 @@ clampingThresMax = 0.95
 decimation = 4
 )";
 
-/** The maps that a definition asks for. */
+/** Creates the maps of a definition. */
 CMultiMetricMap mapsOf(const std::string& ini) {
   TSetOfMetricMapInitializers definition;
   definition.loadFromConfigFile(CConfigFileMemory(ini), "Mapping");
@@ -179,7 +182,7 @@ TEST(ProbOctoMapDefinition, InsertionOptionsComeBackFromTheConfigFileTheyAreSave
   saved.clampingThresMax = 0.94;
   CConfigFileMemory file;
   saved.saveToConfigFile(file, "section");
-  size_t comments = 0;  // what each means
+  size_t comments = 0;  // explanations of keys
   std::istringstream lines(file.getContent());
   for (std::string line; std::getline(lines, line);)
     comments += line.find('=') < line.find("//") && line.find("//") + 10 < line.size();

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Tests of the drawings and the octree files of CProbOctoMap. */
+
 #include <mrpt/maps/COctoMap.h>
 #include <mrpt/opengl/COpenGLScene.h>
 #include <mrpt/opengl/CSetOfObjects.h>
@@ -13,7 +16,7 @@ using mrpt::opengl::COctoMapVoxels;
 
 namespace {
 
-/** One drawn cube: where, how large, and in which colour. */
+/** A drawn cube: position, size and colour. */
 using DrawnVoxel = std::tuple<float, float, float, float, int, int, int, int>;
 
 std::vector<DrawnVoxel> drawnVoxels(const COctoMapVoxels& gl, size_t set) {

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Tests of CProbOctoMap with plain octrees, occupancy grids and sets of maps. */
+
 #include <mrpt/maps/CMultiMetricMap.h>
 #include <mrpt/maps/COccupancyGridMap3D.h>
 #include <mrpt/maps/CSimplePointsMap.h>
@@ -34,7 +37,7 @@ TEST(OcTreeOfTheUsers, IsCopiedWithItsSensorModelAndLeftAsItWas) {
 
 namespace {
 
-/** A grid of cells of every value there is, many of them unknown. */
+/** Returns a grid with cells of all values. Many cells are unknown. */
 COccupancyGridMap3D gridOfAllValues() {
   COccupancyGridMap3D grid({-1.2, 0.4, -0.8}, {1.2, 1.6, 0.8}, 0.1F);
   std::mt19937 rng(41);
@@ -46,7 +49,7 @@ COccupancyGridMap3D gridOfAllValues() {
   return grid;
 }
 
-/** The cells of a grid that are known, by the voxel of an octree at their place. */
+/** Returns the known cells of a grid by the voxel of an octree at their place. */
 VoxelMap cellsOf(const COccupancyGridMap3D& grid) {
   const auto& g = grid.m_grid;
   const auto voxel = [&](double min, unsigned i) {
@@ -56,13 +59,13 @@ VoxelMap cellsOf(const COccupancyGridMap3D& grid) {
   for (unsigned x = 0; x < g.getSizeX(); x++)
     for (unsigned y = 0; y < g.getSizeY(); y++)
       for (unsigned z = 0; z < g.getSizeZ(); z++)
-        // Not by cellByIndex(): MRPT forgets a stride of grids that it reads from a stream.
+        // cellByIndex() is wrong for grids from a stream: MRPT does not set their stride.
         if (const auto cell = g.data()[x + g.getSizeX() * (y + g.getSizeY() * z)])
           cells[{voxel(g.getXMin(), x), voxel(g.getYMin(), y), voxel(g.getZMin(), z)}] = cell;
   return cells;
 }
 
-/** The log-odds of being occupied that MRPT's own probabilities say. */
+/** Returns the log-odds of being occupied by the probabilities of MRPT. */
 float logOddsOf(float cell) {
   const double freeness =
       COccupancyGridMap3D::l2p(static_cast<COccupancyGridMap3D::voxelType>(cell));
@@ -199,7 +202,7 @@ TEST(ToOccupancyGrid, ABoxThatIsTooLargeThrowsAndLeavesTheTargetAsItWas) {
 
 namespace {
 
-/** A set of one map of ours and one of MRPT's points. */
+/** Returns a set of a CProbOctoMap and a point map. */
 CMultiMetricMap setOfMaps() {
   CMultiMetricMap set;
   set.maps.push_back(std::make_shared<CProbOctoMap>(0.1));

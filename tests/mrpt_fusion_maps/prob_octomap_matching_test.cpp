@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Tests of the points of CProbOctoMap and their matching. */
+
 #include <mrpt/maps/CMultiMetricMap.h>
 #include <mrpt/maps/COccupancyGridMap2D.h>
 #include <mrpt/maps/COctoMap.h>
@@ -28,7 +31,7 @@ namespace {
 
 constexpr double kResolution = 0.1;
 
-/** The centres of the occupied voxels, as the tree's leaves have them. */
+/** Returns the centres of the occupied voxels of a tree. */
 std::vector<TPoint3D> centresOf(const octomap::OcTree& tree) {
   std::vector<TPoint3D> centres;
   for (const auto& [v, log_odds] : voxelsOf(tree))
@@ -48,7 +51,7 @@ std::vector<TPoint3D> pointsOf(const CPointsMap& map) {
   return points;
 }
 
-/** To single precision, in an order of its own. */
+/** Sorts points in single precision. */
 std::vector<std::array<long, 3>> sorted(const std::vector<TPoint3D>& points) {
   std::vector<std::array<long, 3>> micrometres;
   for (const auto& p : points)
@@ -57,7 +60,7 @@ std::vector<std::array<long, 3>> sorted(const std::vector<TPoint3D>& points) {
   return micrometres;
 }
 
-/** Some points near the map's obstacles and some far away. */
+/** Returns some points near the obstacles of a map and some points far away. */
 CSimplePointsMap otherPoints(unsigned seed) {
   std::mt19937 rng(seed);
   std::uniform_real_distribution<float> place(-2.5F, 2.5F);
@@ -66,8 +69,8 @@ CSimplePointsMap otherPoints(unsigned seed) {
   return points;
 }
 
-/** What a matching finds, by brute force: the other map's points that have one of these within a
- * distance, in space or in the plane, and the sum of their square distances. */
+/** Matches by brute force. Counts the points of the other map that have a point of this map within
+ * a distance, in space or in the plane, and adds up their square distances. */
 struct Matches {
   size_t count = 0;
   double sum = 0;
@@ -115,7 +118,7 @@ TEST(ProbOctoMapPoints, AreTheSameObjectUntilTheMapChanges) {
   const size_t before = points->size();
   octomap::OcTree& held = map.octree();
   map.getAsSimplePointsMap();
-  held.updateNode(9.05, 9.05, 9.05, true);  // behind the map's back
+  held.updateNode(9.05, 9.05, 9.05, true);  // the map does not notice this
   EXPECT_EQ(before + 1, map.getAsSimplePointsMap()->size());
   map.clear();
   EXPECT_TRUE(map.getAsSimplePointsMap()->empty());
@@ -160,7 +163,7 @@ TEST(ProbOctoMapMatching, FindsThePairsThatBruteForceFinds) {
   for (const float reach : {0.15F, 0.4F}) {
     TMatchingParams params;
     params.maxDistForCorrespondence = reach;
-    // The one after the other on one map, either first: MRPT's k-d trees do not do that.
+    // 2-D and 3-D matchings alternate on one map. The k-d trees of MRPT cannot do this.
     for (const bool plane : {true, false, true}) {
       TMatchingPairList pairs;
       TMatchingExtraResults extra;
@@ -178,7 +181,7 @@ TEST(ProbOctoMapMatching, FindsThePairsThatBruteForceFinds) {
       double sum = 0;
       const auto points = pointsOf(*map.getAsSimplePointsMap());
       for (const auto& pair : pairs) {
-        // The pairs name this map's points by their index.
+        // The pairs hold the indices of the points of this map.
         const auto p = points.at(pair.globalIdx);
         EXPECT_NEAR(0, (p - TPoint3D(pair.global.x, pair.global.y, pair.global.z)).norm(), 1e-6);
         const auto q = plane ? CPose3D(pose_2d).composePoint(theirs.at(pair.localIdx))
@@ -239,13 +242,13 @@ TEST(ProbOctoMapMatching, TakesMapsOfEveryKindThatHasPoints) {
            ours.get(), theirs.get(), &with_ours, &with_theirs, &with_points, &of_another_class})
     EXPECT_NEAR(share, map.compute3DMatchingRatio(other, kPose, params), 1e-3)
         << other->GetRuntimeClass()->className;
-  // The other way round, MRPT's points take ours.
+  // A point map of MRPT takes our map, too.
   EXPECT_NEAR(share, map.getAsSimplePointsMap()->compute3DMatchingRatio(ours.get(), kPose, params),
               1e-3);
 }
 
 TEST(ProbOctoMapMatching, PointsBesideTheMapsBoxAreFoundToo) {
-  // MRPT's own points give up on maps whose bounding boxes do not overlap.
+  // Point maps of MRPT find no pairs if the bounding boxes do not overlap.
   CProbOctoMap map(kResolution);
   CSimplePointsMap flat;
   for (int i = 0; i < 10; i++) {

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Tests of the insertion and the likelihood of observations. */
+
 #include <mrpt/config/CConfigFileMemory.h>
 #include <mrpt/maps/COctoMap.h>
 #include <mrpt/obs/CObservationOdometry.h>
@@ -35,7 +38,7 @@ const std::vector<Options> kOptions = {
      "[o]\nmaxrange = 2.6\npruning = false\noccupancyThres = 0.55\nprobHit = 0.83\n"
      "probMiss = 0.31\nclampingThresMin = 0.05\nclampingThresMax = 0.99\n"}};
 
-/** A scan of a real lidar; null if MRPT's example files are not installed. */
+/** Returns a scan of a real lidar. Null if the example files of MRPT are not installed. */
 CObservationVelodyneScan::Ptr velodyneScan() {
   const std::string path = "/usr/share/mrpt/datasets/test_velodyne_VLP16.rawlog";
   CRawlog log;
@@ -46,7 +49,7 @@ CObservationVelodyneScan::Ptr velodyneScan() {
   return nullptr;
 }
 
-/** A depth camera's image of a slanted surface, with a hole in it. */
+/** Returns the depth image of a slanted surface with a hole. */
 CObservation3DRangeScan::Ptr depthImage(const CPose3D& sensor) {
   auto obs = CObservation3DRangeScan::Create();
   obs->sensorPose = sensor;
@@ -64,7 +67,7 @@ CObservation3DRangeScan::Ptr depthImage(const CPose3D& sensor) {
   return obs;
 }
 
-/** Where the pixels of depthImage() are in the sensor's frame, by the pinhole model. */
+/** Returns the points of the pixels of depthImage() in the sensor's frame, by the pinhole model. */
 std::vector<mrpt::math::TPoint3Df> pinholePoints(const CObservation3DRangeScan& obs) {
   std::vector<mrpt::math::TPoint3Df> points;
   for (int r = 0; r < obs.rangeImage.rows(); r++)
@@ -79,7 +82,7 @@ std::vector<mrpt::math::TPoint3Df> pinholePoints(const CObservation3DRangeScan& 
 
 }  // namespace
 
-// ---------------------------------------------------------------- against MRPT's COctoMap
+// ---------------------------------------------------------------- compared with COctoMap
 
 class LikeCOctoMap : public testing::TestWithParam<Options> {
  protected:
@@ -119,7 +122,7 @@ TEST_P(LikeCOctoMap, Inserts2DScansFromASensorPose) { expectSameMaps(*scan2d(kSe
 
 TEST_P(LikeCOctoMap, Inserts3DScans) {
   auto points = domePoints(1);
-  points[10] = points[77] = {0, 0, 0};  // no return
+  points[10] = points[77] = {0, 0, 0};  // no echo
   expectSameMaps(*scan3dOf(points), 0.1);
 }
 
@@ -189,7 +192,7 @@ TEST(ProbOctoMapObservations, CastsRaysAsCOctoMapDoes) {
   EXPECT_LT(hits, 400U);
 }
 
-// ---------------------------------------------------------------- where COctoMap goes wrong
+// ---------------------------------------------------------------- errors of COctoMap
 
 class SensorPose : public testing::TestWithParam<bool> {
  protected:
@@ -199,7 +202,8 @@ class SensorPose : public testing::TestWithParam<bool> {
     EXPECT_TRUE(map.insertObservation(obs, robot));
     return map;
   }
-  /** An observation from a sensor on the robot must be that from a robot where the sensor is. */
+  /** Expects that the pose of the sensor on the robot has the same effect as the pose of the robot.
+   */
   static void expectMoved(const CObservation& on_robot, const CObservation& at_origin) {
     for (const auto& robot : kRobotPoses) {
       const auto expected = mapOf(at_origin, robot + kSensorPose);
@@ -247,7 +251,7 @@ TEST(ProbOctoMapObservations, ADepthImageAloneIsProjectedByThePinholeModel) {
   const auto image = depthImage(kSensorPose);
   CProbOctoMap map(0.02);
   ASSERT_TRUE(map.insertObservation(*image, kRobotPoses[1]));
-  EXPECT_FALSE(image->hasPoints3D);  // the observation is left as it was
+  EXPECT_FALSE(image->hasPoints3D);  // the observation is not changed
   CProbOctoMap expected(0.02);
   expected.insertObservation(*cloudOf(pinholePoints(*image), kSensorPose), kRobotPoses[1]);
   // The two projections round differently: a few points fall on other sides of a voxel's faces.
@@ -287,7 +291,7 @@ TEST(ProbOctoMapObservations, PointsThatAreNotFiniteAreLeftOut) {
   EXPECT_TRUE(sameTree(expected.octree(), map.octree()));
 }
 
-// ---------------------------------------------------------------- what is not inserted
+// ---------------------------------------------------------------- observations without points
 
 TEST(ProbOctoMapObservations, OtherKindsAreRefusedAndChangeNothing) {
   CProbOctoMap map(0.1);

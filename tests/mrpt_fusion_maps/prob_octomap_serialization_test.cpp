@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Tests of the serialization of CProbOctoMap. */
+
 #include <mrpt/rtti/CObject.h>
 
 #include "support/mrpt_tools.h"
@@ -7,9 +10,9 @@ using mrpt::maps::CProbOctoMap;
 
 namespace {
 
-/** A map with no field left at its default. */
+/** Returns a map in which no field has its default. */
 CProbOctoMap unusualMap(std::unique_ptr<octomap::OcTree> tree) {
-  // Log-odds that no probability gives back exactly: they must travel as floats.
+  // No probability has exactly these log-odds, so they must be serialized as floats.
   mrpt::fusion::OcTreeAccess::setSensorModel(
       *tree, {-1.2345678F, 4.5678912F, 0.91234567F, -0.3456789F, 0.1234567F});
   CProbOctoMap map(std::move(tree));
@@ -51,7 +54,7 @@ testing::AssertionResult sameMap(const CProbOctoMap& a, const CProbOctoMap& b) {
   return testing::AssertionSuccess();
 }
 
-/** The bytes of a map, and where in them the length of its nodes is. */
+/** The bytes of a map, and the position of the length of its nodes. */
 struct MapBytes {
   std::string bytes;
   size_t length_at;
@@ -152,7 +155,7 @@ TEST(ProbOctoMapSerialization, ALengthThatLiesThrowsWithoutTakingMuchMemory) {
   for (const uint64_t length : {uint64_t{1} << 30, uint64_t{1} << 40, ~uint64_t{0}}) {
     std::string bytes = good.bytes;
     std::memcpy(&bytes[good.length_at], &length, sizeof(length));
-    // In a process of its own, whose peak is that of this reading alone.
+    // In another process, so that its peak of memory is that of this reading.
     EXPECT_EXIT(
         {
           const auto before = peakMegabytes();

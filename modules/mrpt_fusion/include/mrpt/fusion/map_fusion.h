@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <mrpt/fusion/export.h>
 #include <mrpt/fusion/many_maps.h>
 #include <mrpt/obs/CObservationLocalMap.h>
 #include <mrpt/slam/CProbabilisticMapMatching.h>
@@ -13,7 +14,7 @@
 namespace mrpt::fusion {
 
 /** The map of many, and what became of each. */
-struct FusionResult {
+struct MRPT_FUSION_API FusionResult {
   mrpt::maps::CProbOctoMap map;       ///< in the frame of the first robot's map
   std::vector<FusionMember> members;  ///< in the order of the maps given
 
@@ -26,8 +27,8 @@ struct FusionResult {
  * robot. \param[in] even_rejected Let the most probable match join although it is rejected.
  * \param[in] on_member Called before each match. \exception std::exception If there is no map but
  * edges, or one has no occupied voxel, or is of another kind: "<robot>: <reason>". */
-FusionResult fuseMaps(const mrpt::slam::CProbabilisticMapMatching& matching,
-                      const std::vector<mrpt::obs::CObservationLocalMap::Ptr>& maps,
-                      bool even_rejected = false, const OnMember& on_member = {});
+MRPT_FUSION_API FusionResult fuseMaps(const mrpt::slam::CProbabilisticMapMatching& matching,
+                                      const std::vector<mrpt::obs::CObservationLocalMap::Ptr>& maps,
+                                      bool even_rejected = false, const OnMember& on_member = {});
 
 }  // namespace mrpt::fusion

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <mrpt/fusion/alignment.h>
+#include <mrpt/fusion/export.h>
 #include <mrpt/fusion/poses.h>
 #include <mrpt/maps/CProbOctoMap.h>
 #include <mrpt/slam/CMetricMapsAlignmentAlgorithm.h>
@@ -27,7 +28,7 @@ namespace mrpt::slam {
  * if (info.evaluation.accepted) fused = pmm.merge(map_a, map_b, pose->getMeanVal());
  * \endcode
  */
-class CProbabilisticMapMatching : public CMetricMapsAlignmentAlgorithm {
+class MRPT_FUSION_API CProbabilisticMapMatching : public CMetricMapsAlignmentAlgorithm {
  public:
   CProbabilisticMapMatching();
 
@@ -91,6 +92,6 @@ struct MatchableMap {
   MapView view;  ///< of a CEdgeVoxelMap its edges; else the octree, see asProbOctoMap()
 };
 /** Valid as long as \a map. \exception std::exception If it is, holds and converts to none. */
-MatchableMap matchable(const mrpt::maps::CMetricMap& map);
+MRPT_FUSION_API MatchableMap matchable(const mrpt::maps::CMetricMap& map);
 
 }  // namespace mrpt::fusion

@@ -18,8 +18,8 @@
 #endif
 
 /** \file
- * Where later versions of MRPT differ from 2.5.8, which this library is tested with, as their
- * sources and change logs tell. The rest of the code asks for no version.
+ * All differences between the versions of MRPT. This library is tested with 2.5.8. The branches for
+ * later versions follow their sources and change logs. No other file depends on the version.
  */
 
 namespace mrpt::maps {
@@ -32,18 +32,18 @@ namespace mrpt::fusion {
 using Scene = mrpt::viz::Scene;
 #else
 namespace viz = mrpt::opengl;  // MRPT 3 draws with mrpt::viz
-/** What a `.3Dscene` file holds. */
+/** The contents of a `.3Dscene` file. */
 using Scene = mrpt::opengl::COpenGLScene;
 #endif
 
 #if MRPT_VERSION >= 0x020b03
 using CreatedMap = std::shared_ptr<mrpt::maps::CMetricMap>;
 #else
-/** What `internal_CreateFromMapDefinition()` returns: a shared_ptr from 2.11.3 on. */
+/** The result of `internal_CreateFromMapDefinition()`: a shared_ptr from 2.11.3 on. */
 using CreatedMap = mrpt::maps::CMetricMap*;
 #endif
 
-/** Hands a new map over to MRPT. */
+/** Transfers the ownership of a new map to MRPT. */
 template <class Map>
 CreatedMap createdMap(std::unique_ptr<Map> map) {
 #if MRPT_VERSION >= 0x020b03

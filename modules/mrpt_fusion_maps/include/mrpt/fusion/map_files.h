@@ -1,78 +1,86 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <mrpt/fusion/build_params.h>
+#include <mrpt/config/CConfigFileBase.h>
+#include <mrpt/fusion/export.h>
 #include <mrpt/maps/CProbOctoMap.h>
 #include <mrpt/obs/CObservationLocalMap.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 /** \file
- * Maps from files of any kind, told apart by what is in them, and from recorded observations.
+ * Loads maps from files of any kind and builds maps from recorded observations. The content of a
+ * file decides of which kind it is.
  */
 
 namespace mrpt::fusion {
 
-/** The probabilistic octomap that a map is, holds or converts to: a mrpt::maps::CProbOctoMap or,
- * converted, a COctoMap, CColouredOctoMap or COccupancyGridMap3D; of a CMultiMetricMap, the first
- * of the kind that is named first here. Not a copy where none is needed: the result is then only
- * valid as long as \a map. Null if there is none. */
-std::shared_ptr<const mrpt::maps::CProbOctoMap> asProbOctoMap(const mrpt::maps::CMetricMap& map);
-/** \overload
- * Keeps \a map alive as long as the result. */
-std::shared_ptr<const mrpt::maps::CProbOctoMap> asProbOctoMap(
-    const mrpt::maps::CMetricMap::ConstPtr& map);
-
-/** What buildMap() made. */
-struct BuiltMap {
-  /** The map; a CMultiMetricMap if the definition asks for several. */
-  mrpt::maps::CMetricMap::Ptr map;
-  size_t inserted = 0;  ///< observations that changed the map
-  size_t ignored = 0;   ///< observations of other kinds, or out of the time of the known poses
+/** Parameters of buildMap(). */
+struct BuildParams {
+  /** Settings with a map definition in the format of MRPT's programs: `<kind>_count` in \a section,
+   * and one section for each map. Null: one CProbOctoMap with default options. Not owned. */
+  const mrpt::config::CConfigFileBase* config = nullptr;
+  std::string section = "MappingApplication";  ///< Section of \a config
+  /** Called with the number of inserted observations, if set. */
+  std::function<void(size_t inserted)> progress;
 };
 
-/** Builds a map from a simplemap or a rawlog, gz-compressed or not.
+/** The result of buildMap(). */
+struct BuiltMap {
+  /** The map. It is a CMultiMetricMap if the definition has several maps. */
+  mrpt::maps::CMetricMap::Ptr map;
+  size_t inserted = 0;  ///< Number of observations that changed the map
+  size_t ignored = 0;   ///< Number of observations of other kinds, or without a known pose
+};
+
+/** Builds a map from a simplemap or a rawlog. The file may be gz-compressed.
  *
- * A simplemap brings the poses of its frames. A rawlog must have the robot's poses: in the
- * observations format as CObservationRobotPose or, if there are none, CObservationOdometry,
- * interpolated to the time of each observation; in the actions format as robot movements, which are
- * added up. Lazy-load observations are loaded from the rawlog's own images directory.
- * \exception std::runtime_error "<path>: <reason>": not such a file, truncated, no poses, a
- * definition without maps, or with some of a class that MRPT does not know.
+ * A simplemap has the poses of its frames. A rawlog must have poses of the robot. In the
+ * observations format they are CObservationRobotPose or, if there are none, CObservationOdometry,
+ * and they are interpolated to the time of each observation. In the actions format they are robot
+ * movements, which are added up. Lazy-load observations are loaded from the images directory of the
+ * rawlog. \exception std::runtime_error "<path>: <reason>" if the file is of another kind, is
+ * truncated or has no poses, or if the definition has no map or a map class that MRPT does not
+ * know.
  */
-BuiltMap buildMap(const std::string& path, const BuildParams& params = {});
+MRPT_FUSION_API BuiltMap buildMap(const std::string& path, const BuildParams& params = {});
 
-/** Loads what map a file of any kind holds: an octree (`.ot`, `.bt`) as a mrpt::maps::CProbOctoMap,
- * an MRPT-serialized map as it is, the map that a rawlog of one robot's CObservationLocalMap brings
- * (see loadLocalMaps()), or observations to build it from (see buildMap()).
+/** Loads the map of a file of any kind. An octree (`.ot`, `.bt`) becomes a
+ * mrpt::maps::CProbOctoMap. An MRPT-serialized map keeps its class. A rawlog with the
+ * CObservationLocalMap of one robot gives the latest map, see loadLocalMaps(). From other
+ * recordings a map is built, see buildMap(). \exception std::runtime_error "<path>: <reason>". */
+MRPT_FUSION_API mrpt::maps::CMetricMap::Ptr loadAnyMap(const std::string& path,
+                                                       const BuildParams& params = {});
+
+/** Loads the 3-D occupancy map of a file, see loadAnyMap() and asProbOctoMap().
  * \exception std::runtime_error "<path>: <reason>". */
-mrpt::maps::CMetricMap::Ptr loadAnyMap(const std::string& path, const BuildParams& params = {});
+MRPT_FUSION_API std::shared_ptr<const mrpt::maps::CProbOctoMap> loadMap(
+    const std::string& path, const BuildParams& params = {});
 
-/** The same, for a map that asProbOctoMap() knows. */
-std::shared_ptr<const mrpt::maps::CProbOctoMap> loadMap(const std::string& path,
-                                                        const BuildParams& params = {});
+/** Loads the latest map of each robot from a recorded mission: a rawlog with CObservationLocalMap.
+ * The robots are in the order of their first maps. A map that is edges alone is returned only if
+ * the robot sent no other map. Returns nothing if the file has no such maps or is not a rawlog.
+ * \exception std::runtime_error "<path>: <reason>" if the file cannot be read or is truncated. */
+MRPT_FUSION_API std::vector<mrpt::obs::CObservationLocalMap::Ptr> loadLocalMaps(
+    const std::string& path);
 
-/** The latest map of each robot in a recorded mission, a rawlog with CObservationLocalMap in it, in
- * the order in which the robots first appear; edges alone only of robots that sent no more. None if
- * there are none in the file, or it is no rawlog. \exception std::runtime_error "<path>: <reason>":
- * not readable, truncated. */
-std::vector<mrpt::obs::CObservationLocalMap::Ptr> loadLocalMaps(const std::string& path);
+/** Writes a recorded mission. The file is gz-compressed if its name ends in `.gz`. Writes the whole
+ * file or nothing. \exception std::runtime_error "<path>: <reason>". */
+MRPT_FUSION_API void saveLocalMaps(const std::vector<mrpt::obs::CObservationLocalMap::Ptr>& maps,
+                                   const std::string& path);
 
-/** Writes a rawlog of such maps, gz-compressed if it ends in `.gz`; all of the file or nothing.
- * \exception std::runtime_error "<path>: <reason>". */
-void saveLocalMaps(const std::vector<mrpt::obs::CObservationLocalMap::Ptr>& maps,
-                   const std::string& path);
+/** Saves any object of MRPT. The file is gz-compressed if its name ends in `.gz` or, as the scenes
+ * of MRPT, in `.3Dscene`. Writes the whole file or nothing. \exception std::runtime_error "<path>:
+ * <reason>". */
+MRPT_FUSION_API void saveObject(const mrpt::serialization::CSerializable& object,
+                                const std::string& path);
 
-/** Saves any MRPT object so that all of the file is written or nothing; gz-compressed if it ends in
- * `.gz` or, as MRPT's scenes are, in `.3Dscene`. \exception std::runtime_error "<path>: <reason>".
- */
-void saveObject(const mrpt::serialization::CSerializable& object, const std::string& path);
-
-/** Saves a map so that all of the file is written or nothing: `.ot` and `.bt` by extension (for
- * maps that asProbOctoMap() knows), else as an MRPT-serialized object, gz-compressed if it ends in
- * `.gz`. \exception std::runtime_error "<path>: <reason>". */
-void saveMap(const mrpt::maps::CMetricMap& map, const std::string& path);
+/** Saves a map. `.ot` and `.bt` files hold the map that asProbOctoMap() returns. All other files
+ * hold an MRPT-serialized object, see saveObject(). Writes the whole file or nothing. \exception
+ * std::runtime_error "<path>: <reason>". */
+MRPT_FUSION_API void saveMap(const mrpt::maps::CMetricMap& map, const std::string& path);
 
 }  // namespace mrpt::fusion

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <mrpt/fusion/edges.h>
+#include <mrpt/fusion/export.h>
 #include <mrpt/maps/CMetricMap.h>
 #include <mrpt/maps/CProbOctoMap.h>
 
@@ -9,52 +10,55 @@
 
 namespace mrpt::maps {
 
-/** The structural edges of an occupancy map: what a robot sends first over a thin link.
+/** The structural edges of an occupancy map. A robot with a slow link sends them before its map.
  *
- * Serialized it is about a hundredth of the map: where the edge voxels are, on the octree's grid,
- * and how likely each is occupied. Directions and covariances, which follow from these by eq. (6),
- * are computed again when it is read, to the same bits.
+ * The serialized edges have about 1 % of the size of the map. They hold the keys of the edge voxels
+ * in the octree and the probability of each. Directions and covariances follow from these by eq.
+ * (6). They are computed again, to the same bits, when the edges are read.
  *
- * CProbabilisticMapMatching::Align3DPDF() takes it for either map, and then compares edges alone.
- * It cannot be merged, nor made from observations: insertObservation() returns false.
+ * CProbabilisticMapMatching::Align3DPDF() takes this map for A, for B or for both, and compares
+ * edges only. It cannot be merged. It cannot be built from observations: insertObservation()
+ * returns false.
  */
-class CEdgeVoxelMap : public CMetricMap {
+class MRPT_FUSION_API CEdgeVoxelMap : public CMetricMap {
   DEFINE_SERIALIZABLE(CEdgeVoxelMap, mrpt::maps)
 
  public:
   CEdgeVoxelMap() = default;
-  /** The edges of a map, by the paper's Algorithm 1. */
+  /** Extracts the edges of a map by Algorithm 1 of the paper. */
   explicit CEdgeVoxelMap(const CProbOctoMap& map, const mrpt::fusion::EdgeParams& params = {});
-  /** Edge voxels that are known, each in the finest voxel of the grid that it lies in, in the order
-   * of an octree; eq. (6) is computed again. \exception std::exception If the resolution is not
-   * positive, or one lies outside an octree's grid (32767 voxels from the origin) or has no
-   * probability in (0,1]. */
+  /** Takes edge voxels. Each becomes the finest voxel of an octree that contains it, and their
+   * order becomes that of the octree. Eq. (6) is computed again. \exception std::exception If the
+   * resolution is not positive, if a voxel is outside of the grid of an octree (32767 voxels from
+   * the origin), or if its probability is not in (0,1]. */
   explicit CEdgeVoxelMap(const mrpt::fusion::EdgeVoxels& edges);
 
-  /** Centre (m, the map's frame), probability, covariance and by it the direction of each. */
+  /** Returns the edge voxels: centres in the map's frame, m, probabilities and covariances. The
+   * covariance holds the direction. */
   const mrpt::fusion::EdgeVoxels& edges() const { return m_edges; }
-  size_t size() const { return m_edges.size(); }               ///< number of edge voxels
-  double getResolution() const { return m_edges.resolution; }  ///< voxel size, m
-  /** The edge voxels as occupied ones, all else unknown. Empty if there are none. */
+  size_t size() const { return m_edges.size(); }               ///< Number of edge voxels
+  double getResolution() const { return m_edges.resolution; }  ///< Voxel size, m
+  /** Returns an octree in which the edge voxels are occupied and all other voxels are unknown. */
   octomap::OcTree asOcTree() const;
 
   bool isEmpty() const override { return size() == 0; }  ///< Whether there is no edge voxel
-  std::string asString() const override;                 ///< One line: resolution and size
-  /** A line along each edge voxel's direction, the longer the straighter its neighbourhood is. */
+  std::string asString() const override;                 ///< Resolution and size in one line
+  /** Draws a line along the direction of each edge voxel. The line is long if the neighbourhood is
+   * straight. */
   void getVisualizationInto(mrpt::fusion::viz::CSetOfObjects& o) const override;
-  /** Writes `<prefix>.ply`: see toPly(). */
+  /** Writes `<prefix>.ply`, see toPly(). */
   void saveMetricMapRepresentationToFile(const std::string& filNamePrefix) const override;
 
  protected:
-  void internal_clear() override { m_edges = {}; }  ///< See clear()
-  /** \return false */
+  void internal_clear() override { m_edges = {}; }  ///< Removes all edges
+  /** Inserts nothing. \return False */
   bool internal_insertObservation(
       const mrpt::obs::CObservation& obs,
       const std::optional<const mrpt::poses::CPose3D>& robotPose = std::nullopt) override;
-  /** \exception std::exception Always: it has no likelihood of observations. */
+  /** \exception std::exception Always: edges have no likelihood of observations. */
   double internal_computeObservationLikelihood(
       const mrpt::obs::CObservation& obs, const mrpt::poses::CPose3D& takenFrom) const override;
-  /** \return false */
+  /** \return False */
   bool internal_canComputeObservationLikelihood(const mrpt::obs::CObservation& obs) const override;
 
  private:

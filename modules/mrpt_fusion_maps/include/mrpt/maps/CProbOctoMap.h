@@ -3,6 +3,7 @@
 
 #include <mrpt/config/CLoadableOptions.h>
 #include <mrpt/fusion/compat.h>
+#include <mrpt/fusion/export.h>
 #include <mrpt/maps/CMetricMap.h>
 #include <mrpt/maps/COctoMap.h>
 #include <mrpt/poses/CPose3D.h>
@@ -17,21 +18,22 @@ namespace mrpt::maps {
 class CColouredOctoMap;
 class COccupancyGridMap3D;
 
-/** A 3-D probabilistic occupancy map: an octomap::OcTree as an MRPT metric map that keeps every
- * log-odds value, wherever it goes.
+/** A 3-D probabilistic occupancy map: an octomap::OcTree as an MRPT metric map. Saving, sending and
+ * copying keep every log-odds value.
  *
- * It takes the observations, options and .ini keys of mrpt::maps::COctoMap, and differs from it:
- *  - serialization holds every node's log-odds bit for bit, the structure of the tree and the
- * sensor model (COctoMap's keeps one bit per voxel, and changes the map it saves);
- *  - the `sensorPose` of 3-D observations moves their points as well as the ray's origin;
- *  - a 3-D range scan that brings only a range image is projected;
- *  - isEmpty() is true for a fresh map;
- *  - its occupied voxels are points for those who match maps (ICP and others), see
- * getAsSimplePointsMap();
- *  - the octree is within reach: octree().
+ * The map takes the observations, options and .ini keys of mrpt::maps::COctoMap. The differences
+ * are:
+ *  - Serialization keeps the log-odds of every node bit for bit, the structure of the tree and the
+ * sensor model. COctoMap keeps one bit per voxel, and changes the map that it saves.
+ *  - The `sensorPose` of a 3-D observation moves its points and the origin of the rays. COctoMap
+ * moves the origin only.
+ *  - A 3-D range scan with only a range image is projected to points.
+ *  - isEmpty() is true for a fresh map.
+ *  - The occupied voxels are points for ICP and other algorithms, see getAsSimplePointsMap().
+ *  - octree() returns the octree.
  *
- * In .ini map definitions it is `probOctoMap`; a key that it does not know, or a value out of its
- * range, is an exception that names section and key:
+ * The name in .ini map definitions is `probOctoMap`. An unknown key or a value out of range is an
+ * exception that names section and key:
  * \code
  * [MappingApplication]
  * probOctoMap_count = 1
@@ -40,106 +42,109 @@ class COccupancyGridMap3D;
  * [MappingApplication_probOctoMap_00_insertOpts]
  * maxrange = -1          // m, -1: whole beams
  * pruning = true
- * occupancyThres = 0.5   // probabilities from here on
+ * occupancyThres = 0.5   // this value and the following values are probabilities
  * probHit = 0.7
  * probMiss = 0.4
  * clampingThresMin = 0.1192
  * clampingThresMax = 0.971
  * [MappingApplication_probOctoMap_00_likelihoodOpts]
- * decimation = 1         // use one ray in this many
+ * decimation = 1         // every decimation-th ray is used
  * \endcode
  */
-class CProbOctoMap : public CMetricMap {
+class MRPT_FUSION_API CProbOctoMap : public CMetricMap {
   DEFINE_SERIALIZABLE(CProbOctoMap, mrpt::maps)
 
  public:
-  /** \param[in] resolution Voxel size, metres. \exception std::exception If not positive. */
+  /** Creates an empty map. \param[in] resolution Voxel size, m. \exception std::exception If the
+   * resolution is not positive. */
   explicit CProbOctoMap(double resolution = 0.10);
-  /** Takes over a tree, its sensor model included. */
+  /** Takes over a tree with its sensor model. */
   explicit CProbOctoMap(std::unique_ptr<octomap::OcTree> tree);
-  /** Copies a tree, its sensor model included. */
+  /** Copies a tree with its sensor model. */
   explicit CProbOctoMap(const octomap::OcTree& tree);
-  /** A map with the same leaves as \a o, see fromOctoMap(). */
+  /** Creates a map with the same leaves as \a o, see fromOctoMap(). */
   explicit CProbOctoMap(const COctoMap& o);
   /** \overload */
   explicit CProbOctoMap(const CColouredOctoMap& o);
-  /** A map of the cells of \a o, see fromOccupancyGrid(). */
+  /** Creates a map of the cells of \a o, see fromOccupancyGrid(). */
   explicit CProbOctoMap(const COccupancyGridMap3D& o);
-  /** Copies all of the tree. */
+  /** Copies the map with its tree. O(nodes). */
   CProbOctoMap(const CProbOctoMap& o);
-  /** Copies all of the tree. */
+  /** Copies the map with its tree. O(nodes). */
   CProbOctoMap& operator=(const CProbOctoMap& o);
-  /** The other can but be destroyed or assigned to. */
+  /** Moves the map. The other map has no tree then: it can only be destroyed or assigned to. */
   CProbOctoMap(CProbOctoMap&&) = default;
-  /** The other can but be destroyed or assigned to. */
+  /** Moves the map. The other map has no tree then: it can only be destroyed or assigned to. */
   CProbOctoMap& operator=(CProbOctoMap&&) = default;
   ~CProbOctoMap() override;
 
-  /** Names, meaning and defaults as in COctoMap::TInsertionOptions; probabilities in (0,1). They
-   * become the octree's sensor model at each insertion. */
+  /** Options of insertions. Names, meaning and defaults are those of COctoMap::TInsertionOptions.
+   * Probabilities are in (0,1). Each insertion sets the sensor model of the octree to them. */
   struct TInsertionOptions : public mrpt::config::CLoadableOptions {
-    double maxrange = -1;         //!< Length to which beams are inserted, metres; -1: all of it
-    bool pruning = true;          //!< Prune the tree (without loss) after each insertion
-    double occupancyThres = 0.5;  //!< Probability from which a voxel is occupied
-    double probHit = 0.7;         //!< Probability that a voxel with a hit is occupied
-    double probMiss = 0.4;        //!< Probability that a voxel crossed by a beam is occupied
+    double maxrange = -1;              //!< Length to which beams are inserted, m; -1: whole beams
+    bool pruning = true;               //!< Whether each insertion prunes the tree, without loss
+    double occupancyThres = 0.5;       //!< Probability from which a voxel is occupied
+    double probHit = 0.7;              //!< Probability that a voxel with a hit is occupied
+    double probMiss = 0.4;             //!< Probability that a voxel crossed by a beam is occupied
     double clampingThresMin = 0.1192;  //!< Lowest probability that a voxel can reach
     double clampingThresMax = 0.971;   //!< Highest probability that a voxel can reach
 
-    /** Missing keys keep their values. \exception std::exception Naming section and key: an unknown
-     * key, or a value that check() refuses; nothing is changed then. */
+    /** Loads the options. Options without a key keep their values. \exception std::exception With
+     * section and key, if there is an unknown key or a value that check() rejects. Nothing is
+     * changed then. */
     void loadFromConfigFile(const mrpt::config::CConfigFileBase& source,
                             const std::string& section) override;
-    /** Saves all keys, each with a comment. */
+    /** Saves all options, each with a comment. */
     void saveToConfigFile(mrpt::config::CConfigFileBase& target,
                           const std::string& section) const override;
-    /** \exception std::exception Naming the option: a probability not in (0,1), hit or miss not on
-     * its side of 0.5, clamping thresholds reversed, a maxrange that is neither -1 nor positive. */
+    /** Checks the options. \exception std::exception With the name of the option, if a probability
+     * is not in (0,1), if probHit < 0.5 or probMiss > 0.5, if clampingThresMin is not below
+     * clampingThresMax, or if maxrange is neither -1 nor positive. */
     void check() const;
   };
-  using TLikelihoodOptions = COctoMap::TLikelihoodOptions;  //!< As MRPT's
-  using TRenderingOptions = COctoMap::TRenderingOptions;    //!< As MRPT's
+  using TLikelihoodOptions = COctoMap::TLikelihoodOptions;  //!< Those of COctoMap
+  using TRenderingOptions = COctoMap::TRenderingOptions;    //!< Those of COctoMap
 
-  TInsertionOptions insertionOptions;    //!< Of insertObservation() and insertPointCloud()
-  TLikelihoodOptions likelihoodOptions;  //!< Of computeObservationLikelihood()
-  TRenderingOptions renderingOptions;    //!< Of getAsOctoMapVoxels()
+  TInsertionOptions insertionOptions;    //!< Options of insertObservation() and insertPointCloud()
+  TLikelihoodOptions likelihoodOptions;  //!< Options of computeObservationLikelihood()
+  TRenderingOptions renderingOptions;    //!< Options of getAsOctoMapVoxels()
 
   MAP_DEFINITION_START(CProbOctoMap)
-  double resolution = 0.10;                                     //!< Voxel size, metres
-  mrpt::maps::CProbOctoMap::TInsertionOptions insertionOpts;    //!< insertionOptions
-  mrpt::maps::CProbOctoMap::TLikelihoodOptions likelihoodOpts;  //!< likelihoodOptions
+  double resolution = 0.10;                                     //!< Voxel size, m
+  mrpt::maps::CProbOctoMap::TInsertionOptions insertionOpts;    //!< Becomes insertionOptions
+  mrpt::maps::CProbOctoMap::TLikelihoodOptions likelihoodOpts;  //!< Becomes likelihoodOptions
   MAP_DEFINITION_END(CProbOctoMap)
 
   /** @name The octree
    * @{ */
-  /** The tree, owned by the map; never null. */
+  /** Returns the tree. The map owns it. */
   const octomap::OcTree& octree() const { return *m_octree; }
   octomap::OcTree& octree() { return *m_octree; }  //!< \overload
-  /** Replaces the tree by one taken over; the sensor model in insertionOptions becomes its own. */
+  /** Takes over a tree. The sensor model of the tree becomes that of insertionOptions. */
   void setOctree(std::unique_ptr<octomap::OcTree> tree);
 
-  /** Voxel size, metres. */
+  /** Returns the voxel size, m. */
   double getResolution() const { return m_octree->getResolution(); }
-  /** Number of nodes, inner ones included. */
+  /** Returns the number of nodes, with inner nodes. */
   size_t size() const { return m_octree->size(); }
-  /** Number of leaves, pruned ones counted once. */
+  /** Returns the number of leaves. A pruned leaf counts once. */
   size_t getNumLeafNodes() const { return m_octree->getNumLeafNodes(); }
-  size_t memoryUsage() const { return m_octree->memoryUsage(); }  //!< Of the tree, bytes
-  /** Lowest corner of the known space's box, metres. */
+  size_t memoryUsage() const { return m_octree->memoryUsage(); }  //!< Size of the tree, bytes
+  /** Returns the lowest corner of the box of the known space, m. */
   void getMetricMin(double& x, double& y, double& z) const { m_octree->getMetricMin(x, y, z); }
-  /** Highest corner of the known space's box, metres. */
+  /** Returns the highest corner of the box of the known space, m. */
   void getMetricMax(double& x, double& y, double& z) const { m_octree->getMetricMax(x, y, z); }
-  /** Occupancy probability at a point of the map's frame (metres).
-   * \return false if the point is unknown; \a prob_occupancy is then untouched. */
+  /** Returns the occupancy probability at a point of the map's frame, m.
+   * \return False if the point is unknown. \a prob_occupancy is not changed then. */
   bool getPointOccupancy(float x, float y, float z, double& prob_occupancy) const;
-  /** Counts one hit (or miss) in the voxel at a point. */
+  /** Counts one hit or one miss in the voxel at a point, m. */
   void updateVoxel(double x, double y, double z, bool occupied);
-  /** Inserts points given in the map's frame, seen from a sensor at (sensor_x,y,z). */
+  /** Inserts points of the map's frame, seen from a sensor at (sensor_x, sensor_y, sensor_z), m. */
   void insertPointCloud(const CPointsMap& points, float sensor_x, float sensor_y, float sensor_z);
-  /** Counts one hit in its voxel for each point, given in the map's frame, that came without the
-   * place it was seen from: no space becomes free. */
+  /** Inserts points of the map's frame without the position of the sensor. Each point is one hit in
+   * its voxel. No space becomes free. */
   void insertPointCloud(const CPointsMap& points);
-  /** First occupied voxel along a ray, see COctoMapBase::castRay(). */
+  /** Finds the first occupied voxel along a ray, see COctoMapBase::castRay(). */
   bool castRay(const mrpt::math::TPoint3D& origin, const mrpt::math::TPoint3D& direction,
                mrpt::math::TPoint3D& end, bool ignoreUnknownCells = false,
                double maxRange = -1.0) const;
@@ -147,124 +152,146 @@ class CProbOctoMap : public CMetricMap {
 
   /** @name Conversion
    * @{ */
-  /** Replaces this map by a copy of all of \a o that MRPT's public API gives: each leaf's cube and
-   * log-odds (exact for 1e-7 < |log-odds| < 20, beyond which the double-valued probability that
-   * MRPT returns has lost digits), resolution, sensor model and options; not the colours. \a o is
-   * not modified. \exception std::exception If o's voxels do not lie on an octree's grid. */
+  /** Replaces this map by a copy of \a o: the cubes of the leaves, their log-odds, the resolution,
+   * the sensor model and the options. Colours are not copied. MRPT returns probabilities as
+   * doubles, so log-odds are exact for 1e-7 < |log-odds| < 20, and rounded outside of that range.
+   * \a o is not modified. \exception std::exception If the voxels of \a o do not lie on the grid of
+   * an octree. */
   void fromOctoMap(const COctoMap& o);
   void fromOctoMap(const CColouredOctoMap& o);  //!< \overload
-  /** Replaces the contents of \a o by this map: same leaves' log-odds, sensor model and options.
-   * Cost: one root-to-leaf descent per finest voxel, pruned leaves expanded (MRPT offers no other
-   * way in). \exception std::exception If a log-odds value has no probability in double precision
-   * (|log-odds| > 36). */
+  /** Replaces the contents of \a o by this map: the same log-odds of the leaves, sensor model and
+   * options. Cost: one descent from the root per finest voxel, because MRPT has no other way to
+   * write voxels. Pruned leaves are expanded. \exception std::exception If |log-odds| > 36: such a
+   * value has no probability in double precision. */
   void toOctoMap(COctoMap& o) const;
-  /** A map to take colours from. */
+  /** A map with colours. */
   struct ColourSource {
-    const CColouredOctoMap& map;  //!< Not owned
-    mrpt::poses::CPose3D pose;    //!< In the coloured map's frame
+    const CColouredOctoMap& map;  //!< The map. Not owned
+    mrpt::poses::CPose3D pose;    //!< Its pose in the frame of the coloured result
   };
-  /** This map as toOctoMap() gives it, where each occupied leaf has the mean colour that the
-   * sources have at its voxels: that of the source's occupied voxel at the same place or, as grids
-   * that are turned do not lie on each other, the nearest one within half a voxel diagonal (of the
-   * larger of the two). So the colours of two maps survive their fusion. Where no source has one it
-   * stays unset (white, as octomap has it).
+  /** Returns this map, see toOctoMap(), with the colours of other maps. So the colours of two maps
+   * survive their fusion.
    *
-   * A pointer, as a copy of a CColouredOctoMap has no colours: octomap copies the occupancy only.
-   * Nor does MRPT's serialization keep colours, or probabilities; the 3-D scene that
+   * An occupied leaf gets the mean of the colours that the sources have at its voxels. The colour
+   * of a source at a voxel is the colour of its occupied voxel at the same place. If there is none,
+   * it is the colour of its nearest occupied voxel within half a voxel diagonal (of the larger
+   * voxel), because rotated grids do not coincide. A leaf without a colour is white, as in octomap.
+   *
+   * The result is a pointer, because octomap copies the occupancy of a CColouredOctoMap only.
+   * MRPT's serialization loses the colours and the probabilities. The 3-D scene that
    * saveMetricMapRepresentationToFile() writes has the colours. */
   std::shared_ptr<CColouredOctoMap> toColouredOctoMap(
       const std::vector<ColourSource>& sources = {}) const;
 
-  /** Replaces the octree by one of the grid's known cells, of log-odds as the grid has them (whole
-   * 16ths); cells at p = 0.5 are unknown. The options and sensor model stay. Nothing is lost but
-   * the grid's extent, and its place where that is not on an octree's grid: a cell moves to the
-   * voxel that has most of it, by up to half a voxel. \exception std::exception If the cells are no
-   * cubes, or reach beyond an octree's grid (2^15 voxels from the origin). */
+  /** Replaces the octree by the known cells of a grid. The options and the sensor model stay. The
+   * log-odds are those of the grid, multiples of 1/16. Cells with p = 0.5 are unknown. The extent
+   * of the grid is lost. If its cells do not lie on the grid of an octree, each cell moves to the
+   * voxel that covers most of it, by at most half a voxel. \exception std::exception If the cells
+   * are not cubes, or if they are outside of the grid of an octree (2^15 voxels from the origin).
+   */
   void fromOccupancyGrid(const COccupancyGridMap3D& o);
-  /** Replaces the cells of \a o by the box of this map's known space; unknown voxels have p = 0.5.
-   * (An empty map gives one such cell.)
-   * Lost are: log-odds beyond whole 16ths (voxels nearer to 0 than 1/32 become unknown) and beyond
-   * +-127/16 (+-32767/16 where MRPT has 16-bit cells), and the sensor model.
-   * \exception std::exception If the box has more than 10^8 voxels. */
+  /** Replaces the cells of \a o by the box of the known space of this map. Unknown voxels have
+   * p = 0.5. An empty map becomes one unknown cell. Log-odds are rounded to multiples of 1/16, so
+   * voxels within 1/32 of 0 become unknown, and clamped to +-127/16 (to +-32767/16 if MRPT has
+   * 16-bit cells). The sensor model is lost. \exception std::exception If the box has more than
+   * 10^8 voxels.
+   */
   void toOccupancyGrid(COccupancyGridMap3D& o) const;
   /** @} */
 
   /** @name Points and matching
-   * The map's points are the centres of its occupied voxels, pruned leaves expanded, in the order
-   * of the octree (that of the indices in correspondences). Other maps may be of points, occupancy
-   * maps that asProbOctoMap() takes, or sets of these; the functions throw for others.
-   * All may be called from several threads at once. Cost: a matching makes the points and MRPT's
-   * k-d tree of them at each call.
+   * The points of the map are the centres of its occupied voxels in the order of the octree. Pruned
+   * leaves are expanded. Indices in correspondences refer to this order. The other map may be a map
+   * of points, a map that asProbOctoMap() takes, or a set of these. The functions throw for all
+   * other maps. Several threads may call the functions at the same time. Cost: each matching makes
+   * the points and the k-d tree of MRPT.
    * @{ */
-  /** The points, made anew at each call. They stay valid, and the same object, until the call after
-   * a change of the map, or auxParticleFilterCleanUp(). Never null. \exception std::length_error If
-   * there are more than 10^8. */
+  /** Returns the points. Each call makes them anew. If the map has not changed, the result is the
+   * same object as before. It is valid until the first call after a change of the map, or until
+   * auxParticleFilterCleanUp(). Never null. \exception std::length_error If there are more than
+   * 10^8 points. */
   const CSimplePointsMap* getAsSimplePointsMap() const override;
-  /** Frees the points given out. */
+  /** Frees the points that getAsSimplePointsMap() has returned. */
   void auxParticleFilterCleanUp() override;
-  /** As CPointsMap has it, with the points of both maps. */
+  /** Matches the points of both maps as CPointsMap does. */
   void determineMatching2D(const CMetricMap* otherMap, const mrpt::poses::CPose2D& otherMapPose,
                            mrpt::tfest::TMatchingPairList& correspondences,
                            const TMatchingParams& params,
                            TMatchingExtraResults& extraResults) const override;
-  /** As CPointsMap has it, with the points of both maps. */
+  /** Matches the points of both maps as CPointsMap does. */
   void determineMatching3D(const CMetricMap* otherMap, const mrpt::poses::CPose3D& otherMapPose,
                            mrpt::tfest::TMatchingPairList& correspondences,
                            const TMatchingParams& params,
                            TMatchingExtraResults& extraResults) const override;
-  /** The share of the other map's points that have one of this map's within
-   * `params.maxDistForCorr` (metres), as CPointsMap has it. */
+  /** Returns the share of the points of the other map that have a point of this map within
+   * `params.maxDistForCorr`, m, as CPointsMap does. */
   float compute3DMatchingRatio(const CMetricMap* otherMap, const mrpt::poses::CPose3D& otherMapPose,
                                const TMatchingRatioParams& params) const override;
-  /** To the closest point, in the plane: m^2. One descent of the octree; no points are made.
-   * \exception std::exception If there is no occupied voxel. */
+  /** Returns the square distance in the plane to the closest point, m^2. Cost: one descent of the
+   * octree. No points are made. \exception std::exception If there is no occupied voxel. */
   float squareDistanceToClosestCorrespondence(float x0, float y0) const override;
   /** @} */
 
   /** @name Files
    * @{ */
-  /** Loads a `.ot` or `.bt` file, told apart by content; insertionOptions become the tree's model.
-   * \exception std::runtime_error "<path>: <reason>". */
+  /** Loads a `.ot` or `.bt` file. The content decides which it is. insertionOptions get the sensor
+   * model of the tree. \exception std::runtime_error "<path>: <reason>". */
   void loadFromOcTreeFile(const std::string& path);
-  /** Saves all log-odds as `.ot`, or maximum likelihood as `.bt`, by the path's extension. Either
-   * the whole file is written or none. \exception std::runtime_error "<path>: <reason>". */
+  /** Saves all log-odds (`.ot`) or the maximum likelihood (`.bt`), depending on the extension.
+   * Writes the whole file or nothing. \exception std::runtime_error "<path>: <reason>". */
   void saveToOcTreeFile(const std::string& path) const;
-  /** Writes `<prefix>_3D.3Dscene`, as MRPT's maps do, and `<prefix>.ot` with every probability. */
+  /** Writes `<prefix>_3D.3Dscene`, as the maps of MRPT do, and `<prefix>.ot` with all log-odds. */
   void saveMetricMapRepresentationToFile(const std::string& filNamePrefix) const override;
   /** @} */
 
-  /** True if nothing is known anywhere. */
+  /** Returns whether no voxel is known. */
   bool isEmpty() const override { return m_octree->size() == 0; }
-  std::string asString() const override;  //!< One line: resolution and size
-  /** Adds the map's voxels, see getAsOctoMapVoxels(), if genericMapParams say so. */
+  std::string asString() const override;  //!< Resolution and size in one line
+  /** Adds the voxels, see getAsOctoMapVoxels(), if genericMapParams.enableSaveAs3DObject is set. */
   void getVisualizationInto(mrpt::fusion::viz::CSetOfObjects& o) const override;
-  /** Fills an MRPT voxel object as COctoMap does: same voxel sets, colours and renderingOptions. */
+  /** Fills a voxel object of MRPT as COctoMap does: same voxel sets, colours and renderingOptions.
+   */
   void getAsOctoMapVoxels(mrpt::fusion::viz::COctoMapVoxels& gl_obj) const;
 
  protected:
-  /** @name What CMetricMap asks of a map
+  /** @name Interface of CMetricMap
    * @{ */
-  void internal_clear() override;  //!< Keeps resolution and options
-  /** Points of 2-D and 3-D scans, in metres in the sensor's frame, seen from the sensor.
-   * \return false if there are none in an observation of this kind. */
+  void internal_clear() override;  //!< Clears the tree. Keeps resolution and options
+  /** Inserts the points of a 2-D or 3-D scan. \return False if observations of this kind have no
+   * points. */
   bool internal_insertObservation(
       const mrpt::obs::CObservation& obs,
       const std::optional<const mrpt::poses::CPose3D>& robotPose = std::nullopt) override;
-  /** Sum of the log-probabilities of the voxels at the observation's points. */
+  /** Returns the sum of the logarithms of the probabilities at the points of the observation. */
   double internal_computeObservationLikelihood(
       const mrpt::obs::CObservation& obs, const mrpt::poses::CPose3D& takenFrom) const override;
-  /** True for the observations that can be inserted. */
+  /** Returns true for observations that can be inserted. */
   bool internal_canComputeObservationLikelihood(const mrpt::obs::CObservation& obs) const override;
   /** @} */
 
  private:
   void applySensorModel();
-  /** After lazy updates, the inner nodes once: a fraction of the cost of updating them each time.
-   */
+  /** Updates the inner nodes after lazy updates of leaves, and prunes. One update of all inner
+   * nodes costs less than one update for each leaf. */
   void finishInsertion();
 
   std::unique_ptr<octomap::OcTree> m_octree;
-  mutable std::shared_ptr<const CSimplePointsMap> m_points;  //!< Last given out; atomic access
+  mutable std::shared_ptr<const CSimplePointsMap> m_points;  //!< Last points; atomic access
 };
 
 }  // namespace mrpt::maps
+
+namespace mrpt::fusion {
+
+/** Returns the CProbOctoMap that a map is, holds or converts to. A COctoMap, a CColouredOctoMap and
+ * a COccupancyGridMap3D are converted. In a CMultiMetricMap, a CProbOctoMap comes first, then the
+ * other kinds in this order; of several maps of a kind, the first is taken. A CProbOctoMap is not
+ * copied: the result is valid as long as \a map. Null if there is no such map. */
+MRPT_FUSION_API std::shared_ptr<const mrpt::maps::CProbOctoMap> asProbOctoMap(
+    const mrpt::maps::CMetricMap& map);
+/** \overload
+ * The result keeps \a map alive. */
+MRPT_FUSION_API std::shared_ptr<const mrpt::maps::CProbOctoMap> asProbOctoMap(
+    const mrpt::maps::CMetricMap::ConstPtr& map);
+
+}  // namespace mrpt::fusion

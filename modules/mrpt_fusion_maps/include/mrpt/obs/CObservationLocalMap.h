@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <mrpt/fusion/export.h>
 #include <mrpt/maps/CMetricMap.h>
 #include <mrpt/obs/CObservation.h>
 #include <mrpt/poses/CPose3DPDFGaussian.h>
@@ -10,40 +11,43 @@
 
 namespace mrpt::obs {
 
-/** The map that one robot has made so far, as it sends it to others or into a rawlog.
+/** The map that a robot has built so far. The robot sends it to other robots or writes it to a
+ * rawlog.
  *
- * CObservation::sensorLabel is the robot's name, so that MRPT's tools list, filter and export by
- * robot; CObservation::timestamp is when the map was sent. A rawlog of these from several robots is
- * a recorded mission.
+ * CObservation::sensorLabel is the name of the robot, so that the tools of MRPT list, filter and
+ * export by robot. CObservation::timestamp is the time when the map was sent. A rawlog with such
+ * maps of several robots is a recorded mission.
  *
- * A CProbOctoMap travels compressed (LZMA, see compressNodes()), every log-odds bit for bit, in
- * about half of what gzip makes of its `.ot`; other maps (a CEdgeVoxelMap) as they serialize
- * themselves.
+ * A CProbOctoMap is serialized with LZMA and keeps every log-odds value bit for bit. Its size is
+ * about half of the size of the gzipped `.ot` file. Other maps, for example a CEdgeVoxelMap,
+ * serialize themselves.
  */
-class CObservationLocalMap : public CObservation {
+class MRPT_FUSION_API CObservationLocalMap : public CObservation {
   DEFINE_SERIALIZABLE(CObservationLocalMap, mrpt::obs)
 
  public:
-  /** At first nothing is known of where the map is: standard deviations of 1 km (and rad). */
+  /** Creates an observation without a map, at an unknown pose: the standard deviations are 1 km and
+   * 1000 rad. */
   CObservationLocalMap();
 
-  uint64_t sequence = 0;  ///< of this robot's maps: the highest is the latest, and holds the rest
-  /** Pose of the map's frame in the mission's common frame (m, rad), and how well it is known. */
+  uint64_t sequence = 0;  ///< Number of the map of this robot. The highest is the latest map
+  /** Pose of the map's frame in the common frame of the mission, m and rad, with its covariance. */
   mrpt::poses::CPose3DPDFGaussian pose;
-  /** The map: a CProbOctoMap, or a CEdgeVoxelMap. Shared with whoever else holds it. */
+  /** The map: a CProbOctoMap or a CEdgeVoxelMap. */
   mrpt::maps::CMetricMap::Ptr map;
 
-  /** The mean of pose, the map's frame being the sensor's. */
+  /** Returns the mean of the pose: the frame of the map is the frame of the sensor. */
   void getSensorPose(mrpt::poses::CPose3D& out_sensorPose) const override;
-  /** Sets the mean of pose. */
+  /** Sets the mean of the pose. */
   void setSensorPose(const mrpt::poses::CPose3D& newSensorPose) override;
 
-  /** Robot, sequence, pose and what the map is: what RawLogViewer shows. */
+  /** Describes robot, sequence, pose and map. RawLogViewer shows this text. */
   void getDescriptionAsText(std::ostream& o) const override;
 
-  bool exportTxtSupported() const override { return true; }  ///< Yes
-  std::string exportTxtHeader() const override;              ///< Names of the columns
-  std::string exportTxtDataRow() const override;  ///< Sequence, pose (m, rad), what the map is
+  bool exportTxtSupported() const override { return true; }  ///< Returns true
+  std::string exportTxtHeader() const override;              ///< Returns the names of the columns
+  std::string exportTxtDataRow()
+      const override;  ///< Sequence, pose (m, rad) and description of the map
 };
 
 }  // namespace mrpt::obs

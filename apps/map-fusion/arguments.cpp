@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Defines the subcommands with their options and help texts, and parses the command line. */
+
+#include "arguments.h"
+
+#include <CLI/CLI.hpp>
+
+namespace map_fusion {
+
+namespace {
+
+constexpr int kMaxMaps = 10000;
+
+constexpr const char* kPoseHelp =
+    "\"[x y z yaw pitch roll]\" (m, deg), or a file with a 4x4 row-major matrix";
+constexpr const char* kFusedHelp = "fused map in the frame of A: .ot, .bt, or MRPT-serialized";
+
+/** Adds subcommands, and the options that several subcommands share. */
+class CommandLine {
+ public:
+  CommandLine(CLI::App& app, Arguments& args) : app_(app), args_(args) {}
+
+  CLI::App* add(const std::string& name, const std::string& what, const std::string& example) {
+    auto* sub = app_.add_subcommand(name, what);
+    sub->footer("Example:\n  " + example);
+    sub->add_option("--config", args_.config,
+                    "settings: section [ProbabilisticMapMatching] and, for recordings, definitions "
+                    "of MRPT maps")
+        ->type_name("FILE.ini");
+    sub->add_option("--section", args_.section, "section of --config with the map definition")
+        ->capture_default_str();
+    sub->add_option("--json", args_.json, "write all figures of the run to FILE")
+        ->type_name("FILE");
+    sub->add_option("--threads", args_.threads,
+                    "number of threads; the result does not depend on it (default: all cores)")
+        ->check(CLI::PositiveNumber);
+    auto* quiet = sub->add_flag("-q,--quiet", args_.quiet, "print neither summary nor progress");
+    sub->add_flag("-v,--verbose", args_.verbose, "print each iteration")->excludes(quiet);
+    return sub;
+  }
+  void inputs(CLI::App* sub, const std::string& names, int least, int most) {
+    sub->add_option(names, args_.maps,
+                    "maps: .ot, .bt, MRPT-serialized, or recordings from which maps are built")
+        ->required()
+        ->expected(least, most);
+  }
+  void output(CLI::App* sub, const std::string& what) {
+    sub->add_option("-o,--output", args_.output, what)->required()->type_name("FILE");
+  }
+  void init(CLI::App* sub) {
+    auto* guess =
+        sub->add_option("--init", args_.init,
+                        "initial guess of the pose of B in A's frame: " + std::string(kPoseHelp) +
+                            ". Without --init, all positions and headings are searched")
+            ->type_name("POSE");
+    sub->add_option("--init-sigma", args_.init_sigma,
+                    "standard deviations of the position (m) and the heading (deg) of the guess. "
+                    "The search covers 3 standard deviations (default: ranges of the settings)")
+        ->type_name("M DEG")
+        ->expected(2)
+        ->check(CLI::NonNegativeNumber)
+        ->needs(guess);
+    sub->add_flag("--full-6dof", args_.full_6dof,
+                  "search all roll and pitch angles, too. Without --full-6dof, both maps must be "
+                  "upright to within a few degrees")
+        ->excludes(guess);
+    sub->add_option("--pose-out", args_.pose_out,
+                    "write the estimated pose to FILE as a 4x4 matrix")
+        ->type_name("FILE");
+  }
+  void pose(CLI::App* sub, const std::string& what) {
+    sub->add_option("--pose,--init", args_.pose, what + ": " + kPoseHelp)
+        ->required()
+        ->type_name("POSE");
+  }
+  void picture(CLI::App* sub) {
+    sub->add_option("--picture", args_.picture, "draw both maps from above")->type_name("FILE.png");
+    sub->add_option("--scene", args_.scene,
+                    "write both maps, their edges, the matched pairs and the fused map as a scene "
+                    "for SceneViewer3D")
+        ->type_name("FILE.3Dscene");
+  }
+  void policy(CLI::App* sub) {
+    sub->add_option("--policy", args_.policy,
+                    "rule for the value of a voxel that both maps know (default: as in the "
+                    "settings)")
+        ->check(CLI::IsMember({"relative_entropy", "average", "stitch", "bayes"}));
+  }
+
+ private:
+  CLI::App& app_;
+  Arguments& args_;
+};
+
+void addPairCommands(CommandLine& line, Arguments& args) {
+  auto* fuse =
+      line.add("fuse",
+               "Estimate the pose of B in A. If the match is accepted, merge both maps.\n"
+               "With more maps, or with a rawlog of the maps of several robots, merge all\n"
+               "maps whose matches are accepted",
+               "map-fusion fuse a.ot b.ot --init \"[4 1 0 30 0 0]\" -o fused.ot");
+  line.inputs(fuse, "A B...", 1, kMaxMaps);
+  line.output(fuse, kFusedHelp);
+  line.init(fuse);
+  line.policy(fuse);
+  line.picture(fuse);
+  fuse->add_flag("--force", args.force, "merge rejected matches, too");
+
+  auto* match = line.add("match", "Estimate the pose of B in A and judge whether it is right",
+                         "map-fusion match a.ot b.ot --init guess.txt --pose-out T_a_b.txt");
+  line.inputs(match, "A B", 2, 2);
+  line.init(match);
+  line.picture(match);
+
+  auto* evaluate = line.add("evaluate", "Judge whether a given pose of B in A is right",
+                            "map-fusion evaluate a.ot b.ot --pose T_a_b.txt");
+  line.inputs(evaluate, "A B", 2, 2);
+  line.pose(evaluate, "pose of B in A's frame");
+  line.picture(evaluate);
+
+  auto* merge = line.add("merge", "Merge both maps at a given pose of B in A",
+                         "map-fusion merge a.ot b.ot --pose T_a_b.txt --policy bayes -o fused.ot");
+  line.inputs(merge, "A B", 2, 2);
+  line.pose(merge, "pose of B in A's frame");
+  line.output(merge, kFusedHelp);
+  line.policy(merge);
+  line.picture(merge);
+}
+
+void addMapCommands(CommandLine& line, Arguments& args) {
+  auto* edges = line.add("edges", "Extract the structural edge voxels of a map",
+                         "map-fusion edges a.ot -o edges.ply");
+  line.inputs(edges, "MAP", 1, 1);
+  line.output(edges,
+              "*.ply: a point cloud whose normals (nx, ny, nz) are the directions of the edges; "
+              "otherwise a CEdgeVoxelMap, which can be matched");
+
+  auto* transform =
+      line.add("transform", "Move a map to another frame, onto the grid of that frame",
+               "map-fusion transform b.ot --pose \"[1 2 0 90 0 0]\" -o moved.ot");
+  line.inputs(transform, "MAP", 1, 1);
+  line.pose(transform, "pose of the map's frame in the new frame");
+  line.output(transform, "moved map: .ot, .bt, or MRPT-serialized");
+  transform->add_option("--resolution", args.resolution, "voxel size, m (default: as in the map)")
+      ->check(CLI::PositiveNumber);
+
+  auto* build = line.add("build", "Build a map from a recording: a .rawlog or a .simplemap",
+                         "map-fusion build run.rawlog --config map.ini -o run.ot");
+  line.inputs(build, "MAP", 1, 1);
+  line.output(build, "map: .ot or .bt; otherwise MRPT-serialized, compressed if *.gz");
+
+  auto* pack = line.add("pack", "Write the maps of several robots to one rawlog, compressed",
+                        "map-fusion pack robot1.ot robot2.ot -o mission.rawlog");
+  line.inputs(pack, "MAPS", 1, kMaxMaps);
+  line.output(pack, "rawlog with one CObservationLocalMap per robot, named as the robot's file");
+  pack->add_flag("--edges-only", args.edges_only,
+                 "write only the structural edges: less than 5 % of the size");
+
+  auto* info = line.add("info", "Print the contents of a map", "map-fusion info a.ot");
+  line.inputs(info, "MAP", 1, 1);
+}
+
+}  // namespace
+
+std::optional<ExitCode> parseArguments(int argc, char** argv, Arguments& args) {
+  CLI::App app("Matches, evaluates and merges 3-D occupancy maps.");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", "map-fusion " MAP_FUSION_VERSION);
+  app.footer(
+      "Exit codes: 0 success, and the match (if there is one) is accepted; 1 failure, for example\n"
+      "bad input; 2 wrong usage; 3 the match is rejected.\n"
+      "'map-fusion COMMAND --help' describes a command.");
+  CommandLine line(app, args);
+  addPairCommands(line, args);
+  addMapCommands(line, args);
+  try {
+    app.parse(argc, argv);
+    if (args.maps.size() != 2 && !(args.init + args.pose_out + args.picture + args.scene).empty())
+      throw CLI::ValidationError(
+          "--init, --pose-out, --picture and --scene need exactly two maps, A and B");
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? kDone : kUsage;
+  }
+  args.command = app.get_subcommands().front()->get_name();
+  return std::nullopt;
+}
+
+}  // namespace map_fusion

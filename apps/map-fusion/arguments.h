@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+/** \file
+ * The arguments of the command line. */
+
+namespace map_fusion {
+
+/** The arguments of a run. Each subcommand uses a part of them. */
+struct Arguments {
+  std::string command;             ///< Name of the subcommand
+  std::vector<std::string> maps;   ///< Input files: A, B, ...
+  std::string init;                ///< Initial guess, see parsePose(); empty: none
+  std::vector<double> init_sigma;  ///< Standard deviations of the guess, m and deg; may be empty
+  bool full_6dof = false;          ///< The maps have no common vertical
+  std::string pose;                ///< Given pose of B in A, see parsePose()
+  std::string output;              ///< File of the resulting map or point cloud
+  std::string pose_out;            ///< File of the estimated pose; empty: none
+  std::string picture;             ///< PNG file of both maps; empty: none
+  std::string scene;               ///< File of the 3-D scene; empty: none
+  std::string json;                ///< File of the report as JSON; empty: none
+  std::string config;              ///< Settings file; empty: defaults
+  std::string section = "MappingApplication";  ///< Section of config with the map definition
+  std::string policy;                          ///< Merge policy; empty: as in the settings
+  double resolution = 0;                       ///< Voxel size, m; 0: as in the input
+  unsigned threads = 0;                        ///< Number of threads; 0: all cores
+  bool edges_only = false;                     ///< Write structural edges, not maps
+  bool force = false;                          ///< Merge rejected matches, too
+  bool quiet = false;                          ///< Print neither summary nor progress
+  bool verbose = false;                        ///< Print each iteration
+};
+
+/** Exit codes of the program. They are documented in --help. */
+enum ExitCode { kDone = 0, kFailure = 1, kUsage = 2, kRejected = 3 };
+
+/** Parses the command line. Prints help and usage errors. \return The exit code if there is nothing
+ * to run, otherwise nothing. */
+std::optional<ExitCode> parseArguments(int argc, char** argv, Arguments& args);
+
+}  // namespace map_fusion

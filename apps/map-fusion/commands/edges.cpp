@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * `map-fusion edges`. */
+
+#include <mrpt/fusion/edge_octree.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "commands/commands.h"
+#include "fusion_base/files.h"
+#include "inputs.h"
+
+using mrpt::fusion::EdgeVoxels;
+
+namespace map_fusion {
+
+bool runEdges(RunContext& run) {
+  const LoadedMap map = loadMap(run, "map", run.args.maps[0]);
+  const auto edges = std::make_shared<const EdgeVoxels>(edgesOf(run, map));
+  run.report.edges = edges->size();
+  run.endStep("edges");
+  if (std::filesystem::path(run.args.output).extension() == ".ply")
+    mrpt::fusion::writeFileAtomically(run.args.output, toPly(*edges));
+  else
+    mrptMaps().save({nullptr, edges, nullptr}, run.args.output);
+  run.endStep("save");
+  return true;
+}
+
+}  // namespace map_fusion

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * `map-fusion fuse` for two maps. */
+
+#include <iostream>
+
+#include "commands/commands.h"
+#include "map_pair.h"
+
+namespace map_fusion {
+
+bool runFuse(RunContext& run) {
+  if (run.args.maps.size() != 2) return runFuseTeam(run);
+  MapPair pair = loadPair(run);
+  const bool accepted = matchPair(run, pair);
+  if (accepted || run.args.force)
+    mergePair(run, pair);
+  else
+    std::cerr << "map-fusion: the match is rejected, nothing was merged (--force merges)\n";
+  drawPair(run, pair);
+  return accepted;
+}
+
+}  // namespace map_fusion

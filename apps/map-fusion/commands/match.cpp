@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * `map-fusion match`. */
+
+#include "commands/commands.h"
+#include "map_pair.h"
+
+namespace map_fusion {
+
+bool runMatch(RunContext& run) {
+  const MapPair pair = loadPair(run);
+  const bool accepted = matchPair(run, pair);
+  drawPair(run, pair);
+  return accepted;
+}
+
+}  // namespace map_fusion

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * `map-fusion transform`. */
+
+#include <mrpt/fusion/poses.h>
+
+#include <memory>
+
+#include "commands/commands.h"
+#include "fusion_octree/resampling.h"
+#include "inputs.h"
+#include "output.h"
+#include "pose.h"
+
+namespace map_fusion {
+
+bool runTransform(RunContext& run) {
+  const mrpt::poses::CPose3D pose = parsePose(run.args.pose);
+  const LoadedMap map = loadMap(run, "map", run.args.maps[0]);
+  const double resolution =
+      run.args.resolution > 0 ? run.args.resolution : map.octree->getResolution();
+  const std::shared_ptr<const octomap::OcTree> moved =
+      mrpt::fusion::transformOcTree(*map.octree, mrpt::fusion::toEigen(pose), resolution);
+  run.endStep("transform");
+  saveMap(moved, run.args.output);
+  run.endStep("save");
+  run.report.maps.push_back(mrpt::fusion::reportOn("transformed", run.args.output, *moved));
+  return true;
+}
+
+}  // namespace map_fusion

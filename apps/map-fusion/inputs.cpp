@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Loads the maps of a run. */
+
+#include "inputs.h"
+
+#include <mrpt/fusion/voxels.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+
+#include "fusion_base/error_text.h"
+#include "fusion_base/files.h"
+#include "fusion_octree/files.h"
+
+namespace fs = std::filesystem;
+using mrpt::fusion::EdgeVoxels;
+
+namespace map_fusion {
+
+namespace {
+
+bool isOcTree(const std::string& path) {
+  return mrpt::fusion::withPath(
+      path, [&] { return mrpt::fusion::isOcTreeFile(mrpt::fusion::beginningOf(path)); });
+}
+
+LoadedMap loadFile(const std::string& path, const MapDefinition& definition) {
+  if (!isOcTree(path)) return mrptMaps().load(path, definition);
+  return mrpt::fusion::withPath(path, [&]() -> LoadedMap {
+    return {mrpt::fusion::parseOcTreeFile(mrpt::fusion::readFileBytes(path)), nullptr, nullptr};
+  });
+}
+
+}  // namespace
+
+LoadedMap loadMap(RunContext& run, const std::string& role, const std::string& path) {
+  run.progress.show("loading " + path);
+  LoadedMap map = loadFile(path, run.mapDefinition());
+  run.progress.clear();
+  run.report.maps.push_back(mrpt::fusion::reportOn(role, path, *map.octree));
+  if (run.args.command != "info" && run.report.maps.back().statistics.occupied == 0)
+    throw std::runtime_error(path + ": the map has no occupied voxel");
+  run.endStep("load");
+  return map;
+}
+
+std::vector<Robot> loadMission(const std::string& path) {
+  return isOcTree(path) ? std::vector<Robot>() : mrptMaps().loadMission(path);
+}
+
+std::vector<Robot> loadRobots(RunContext& run) {
+  std::vector<Robot> robots;
+  const std::vector<std::string> names = namesOf(run.args.maps);
+  for (size_t i = 0; i < names.size(); i++) {
+    const std::string& path = run.args.maps[i];
+    run.progress.show("loading " + path);
+    auto of_file = loadMission(path);
+    for (const Robot& robot : of_file)
+      run.report.maps.push_back(mrpt::fusion::reportOn(robot.name, path, *robot.map.octree));
+    if (of_file.empty()) {
+      Robot& robot = of_file.emplace_back();
+      robot.name = names[i];
+      robot.map = loadMap(run, robot.name, path);
+    }
+    for (Robot& robot : of_file) {
+      const bool twice = std::any_of(robots.begin(), robots.end(),
+                                     [&](const auto& other) { return other.name == robot.name; });
+      if (twice) throw std::runtime_error(path + ": there is another map of '" + robot.name + "'");
+      if (run.args.edges_only)
+        robot.map = {nullptr, std::make_shared<const EdgeVoxels>(edgesOf(run, robot.map)), nullptr};
+      robots.push_back(robot);
+    }
+  }
+  run.endStep("load");
+  run.progress.clear();
+  return robots;
+}
+
+EdgeVoxels edgesOf(const RunContext& run, const LoadedMap& map) {
+  return extractEdges(mrpt::fusion::extractOccupiedVoxels(map.view().wholeMap()),
+                      run.options.match.edges);
+}
+
+std::vector<std::string> namesOf(const std::vector<std::string>& paths) {
+  std::vector<std::string> names;
+  std::vector<fs::path> files, folders;
+  for (const auto& path : paths) {
+    files.push_back(fs::absolute(path).lexically_normal());
+    folders.push_back(files.back().parent_path());
+    names.push_back(files.back().filename().replace_extension().string());
+  }
+  std::vector<size_t> same;  // files whose name another file has, too
+  do {
+    same.clear();
+    for (size_t i = 0; i < paths.size(); i++)
+      for (size_t j = 0; j < paths.size(); j++)
+        if (names[i] == names[j] && files[i] != files[j] && folders[i].has_relative_path()) {
+          same.push_back(i);
+          break;
+        }
+    for (const size_t i : same) {
+      names[i] = folders[i].filename().string() + "_" + names[i];
+      folders[i] = folders[i].parent_path();
+    }
+  } while (!same.empty());
+  return names;
+}
+
+}  // namespace map_fusion

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/fusion/edges.h>
+
+#include <string>
+#include <vector>
+
+#include "mrpt_maps.h"
+#include "run_context.h"
+
+/** \file
+ * The maps of a run. */
+
+namespace map_fusion {
+
+/** Loads the map of a file of any kind, and reports on it. \param[in] role See MapReport.
+ * \exception std::runtime_error "<path>: <reason>", also if a command other than `info` gets a map
+ * without occupied voxels. */
+LoadedMap loadMap(RunContext& run, const std::string& role, const std::string& path);
+
+/** Loads the latest maps of all robots of a recorded mission. Returns nothing for files of other
+ * kinds. */
+std::vector<Robot> loadMission(const std::string& path);
+
+/** Loads the maps of all robots that the arguments name, and reports on them. A file is a recorded
+ * mission, or it holds the map of one robot. \exception std::runtime_error As loadMap(), and if two
+ * robots have the same name. */
+std::vector<Robot> loadRobots(RunContext& run);
+
+/** Returns the structural edges of a map. \exception std::exception If the map is edges alone. */
+mrpt::fusion::EdgeVoxels edgesOf(const RunContext& run, const LoadedMap& map);
+
+/** Names robots after their files. If files have the same name, the names of their folders are
+ * added. */
+std::vector<std::string> namesOf(const std::vector<std::string>& paths);
+
+}  // namespace map_fusion

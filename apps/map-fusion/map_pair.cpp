@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Loads, matches, merges and draws two maps. */
+
+#include "map_pair.h"
+
+#include <mrpt/fusion/alignment.h>
+#include <mrpt/fusion/edges.h>
+#include <mrpt/fusion/merging.h>
+#include <mrpt/fusion/poses.h>
+#include <mrpt/fusion/voxels.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "fusion_base/files.h"
+#include "fusion_report/top_view.h"
+#include "inputs.h"
+#include "output.h"
+#include "pose.h"
+
+using mrpt::fusion::EdgeVoxels;
+using mrpt::fusion::toEigen;
+
+namespace map_fusion {
+
+namespace {
+
+/** What the arguments say about the pose of B in A. */
+mrpt::poses::CPose3DPDFGaussian priorOf(const RunContext& run) {
+  const auto& sigma = run.args.init_sigma;
+  if (!run.report.initial_pose) return mrpt::fusion::noGuess();
+  mrpt::poses::CPose3DPDFGaussian guess(*run.report.initial_pose);
+  if (sigma.empty()) return guess;
+  constexpr double kLeastSigma =
+      1e-3;  // m; an all-zero covariance means the ranges of the settings
+  const double metres = std::max(sigma[0], kLeastSigma);
+  const double yaw = mrpt::DEG2RAD(sigma[1]);
+  for (int i = 0; i < 3; i++) guess.cov(i, i) = metres * metres;
+  guess.cov(3, 3) = yaw * yaw;
+  return guess;
+}
+
+void drawPicture(RunContext& run, const MapPair& pair) {
+  std::vector<mrpt::fusion::TopViewPanel> panels;
+  if (run.report.initial_pose)
+    panels.push_back({"initial guess", toEigen(*run.report.initial_pose)});
+  const auto& match = run.report.match;
+  panels.push_back({!match                       ? "at the given pose"
+                    : match->evaluation.accepted ? "result: accepted"
+                                                 : "result: rejected",
+                    toEigen(run.report.pose->mean)});
+  const auto picture = drawTopView(mrpt::fusion::extractOccupiedVoxels(*pair.a.octree),
+                                   mrpt::fusion::extractOccupiedVoxels(*pair.b.octree), panels);
+  mrpt::fusion::writeFileAtomically(run.args.picture, picture.toPng());
+  run.endStep("picture");
+}
+
+void drawScene(RunContext& run, const MapPair& pair) {
+  run.progress.show("drawing");
+  const EdgeVoxels edges_a = pair.a.edges ? *pair.a.edges : edgesOf(run, pair.a);
+  const EdgeVoxels edges_b = pair.b.edges ? *pair.b.edges : edgesOf(run, pair.b);
+  const mrpt::fusion::Pairs none;
+  const SceneContents contents{*pair.a.octree,
+                               *pair.b.octree,
+                               run.report.pose->mean,
+                               run.report.match ? run.report.match->match.pairs : none,
+                               edges_a,
+                               edges_b,
+                               run.options.evaluation.inlier_mahalanobis,
+                               pair.fused.get()};
+  mrptMaps().drawScene(contents, run.args.scene);
+  run.progress.clear();
+  run.endStep("scene");
+}
+
+}  // namespace
+
+MapPair loadPair(RunContext& run) {
+  if (!run.args.init.empty()) run.report.initial_pose = parsePose(run.args.init);
+  if (!run.args.pose.empty()) run.report.pose.emplace().mean = parsePose(run.args.pose);
+  MapPair pair;
+  pair.a = loadMap(run, "a", run.args.maps[0]);
+  pair.b = loadMap(run, "b", run.args.maps[1]);
+  return pair;
+}
+
+bool matchPair(RunContext& run, const MapPair& pair) {
+  run.progress.show("extracting edges");
+  run.report.match = mrpt::fusion::align(pair.a.view(), pair.b.view(), priorOf(run), run.options,
+                                         run.on_iteration);
+  run.progress.clear();
+  const auto& match = *run.report.match;
+  run.report.pose = match.pose;
+  run.report.seconds.emplace_back("features", match.seconds_features);
+  run.report.seconds.emplace_back("match", match.seconds_matching);
+  run.report.seconds.emplace_back("evaluate", match.seconds_evaluation);
+  run.startStep();
+  if (!run.args.pose_out.empty())
+    mrpt::fusion::writeFileAtomically(run.args.pose_out, toMatrixText(run.report.pose->mean));
+  return match.evaluation.accepted;
+}
+
+void mergePair(RunContext& run, MapPair& pair) {
+  run.progress.show("merging");
+  choosePolicy(run);
+  pair.fused = mrpt::fusion::mergeMaps(pair.a.view().wholeMap(), pair.b.view().wholeMap(),
+                                       toEigen(run.report.pose->mean), run.options.merge);
+  run.progress.clear();
+  run.endStep("merge");
+  saveFused(run, pair.fused);
+}
+
+void drawPair(RunContext& run, const MapPair& pair) {
+  if (!run.args.picture.empty()) drawPicture(run, pair);
+  if (!run.args.scene.empty()) drawScene(run, pair);
+}
+
+void choosePolicy(RunContext& run) {
+  for (const auto& [policy, name] : mrpt::fusion::mergePolicyNames())
+    if (run.args.policy == name) run.options.merge.policy = policy;
+  for (const auto& [policy, name] : mrpt::fusion::mergePolicyNames())
+    if (run.options.merge.policy == policy) run.report.policy = name;
+}
+
+void saveFused(RunContext& run, const std::shared_ptr<const octomap::OcTree>& fused) {
+  saveMap(fused, run.args.output);
+  run.endStep("save");
+  run.report.maps.push_back(mrpt::fusion::reportOn("fused", run.args.output, *fused));
+}
+
+}  // namespace map_fusion

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "mrpt_maps.h"
+#include "run_context.h"
+
+/** \file
+ * The steps that several commands on two maps share. */
+
+namespace map_fusion {
+
+/** The maps of a run on two maps. */
+struct MapPair {
+  LoadedMap a, b;
+  std::shared_ptr<const octomap::OcTree> fused;  ///< Null: nothing was merged
+};
+
+/** Loads both maps. Parses the poses of the arguments before. */
+MapPair loadPair(RunContext& run);
+
+/** Estimates the pose of B in A, and writes it if wanted. \return Whether it is accepted. */
+bool matchPair(RunContext& run, const MapPair& pair);
+
+/** Merges both maps at the pose of the report, and saves the result. */
+void mergePair(RunContext& run, MapPair& pair);
+
+/** Draws the picture and the scene if they are wanted. */
+void drawPair(RunContext& run, const MapPair& pair);
+
+/** Applies the merge policy of the arguments, and reports it. */
+void choosePolicy(RunContext& run);
+
+/** Saves a fused map, and reports on it. */
+void saveFused(RunContext& run, const std::shared_ptr<const octomap::OcTree>& fused);
+
+}  // namespace map_fusion

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Loads the settings of a run, shows its progress and writes its report. */
+
+#include "run_context.h"
+
+#include <mrpt/config/CConfigFile.h>
+#include <mrpt/core/format.h>
+
+#include <cmath>
+#include <iostream>
+#include <stdexcept>
+#include <vector>
+
+#include "fusion_base/error_text.h"
+#include "fusion_base/files.h"
+#include "fusion_report/json.h"
+#include "fusion_report/text.h"
+
+namespace map_fusion {
+
+namespace {
+
+constexpr const char* kMatchingSection = "ProbabilisticMapMatching";
+
+std::string toText(const mrpt::fusion::IterationRecord& i) {
+  const char* level = i.level == mrpt::fusion::Level::Edge ? "edges" : "voxels";
+  return mrpt::format("matching %s: %zu pairs, rms distance %.3f m, step %.4f m", level, i.pairs,
+                      std::sqrt(i.mse), i.step_translation);
+}
+
+}  // namespace
+
+RunContext::RunContext(const Arguments& arguments) : args(arguments), progress(!args.quiet) {
+  report.command = args.command;
+  std::vector<std::string> inputs = args.maps;
+  inputs.insert(inputs.end(), {args.config, args.init, args.pose});
+  for (const auto& path : {args.output, args.pose_out, args.picture, args.scene, args.json})
+    if (!path.empty()) checkWritable(path, inputs);
+  if (!args.config.empty()) mrpt::fusion::withPath(args.config, [this] { loadConfig(); });
+  if (args.full_6dof) options.match.search.rotations = mrpt::fusion::SearchRotations::All;
+  on_iteration = [this](const mrpt::fusion::IterationRecord& i) {
+    if (args.verbose)
+      std::cerr << toText(i) << "\n";
+    else
+      progress.show(toText(i));
+  };
+  startStep();
+}
+
+RunContext::~RunContext() = default;
+
+void RunContext::loadConfig() {
+  mrpt::fusion::readFileBytes(args.config);  // for MRPT, a missing file is an empty file
+  config_ = std::make_unique<mrpt::config::CConfigFile>(args.config);
+  const bool has_map = config_->sectionExists(args.section);
+  const bool has_matching = config_->sectionExists(kMatchingSection);
+  if (!has_map && !has_matching)
+    throw std::runtime_error("has neither a section [" + std::string(kMatchingSection) +
+                             "] nor a section [" + args.section + "]");
+  if (has_matching) options.loadFromConfigFile(*config_, kMatchingSection);
+}
+
+MapDefinition RunContext::mapDefinition() {
+  MapDefinition definition;
+  if (config_ && config_->sectionExists(args.section)) definition.config = config_.get();
+  definition.section = args.section;
+  definition.progress = [this](size_t n) {
+    progress.show("building: " + std::to_string(n) + " observations");
+  };
+  return definition;
+}
+
+void RunContext::endStep(const std::string& name) {
+  auto& seconds = report.seconds;
+  const double elapsed = clock_.Tac();
+  if (!seconds.empty() && seconds.back().first == name)
+    seconds.back().second += elapsed;
+  else
+    seconds.emplace_back(name, elapsed);
+  startStep();
+}
+
+void RunContext::finish() {
+  const bool is_stdout_taken = isStandardOutput(args.output) || isStandardOutput(args.json);
+  if (!args.quiet) mrpt::fusion::print(report, is_stdout_taken ? std::cerr : std::cout);
+  if (!args.json.empty())
+    mrpt::fusion::writeFileAtomically(args.json, mrpt::fusion::toJson(report));
+}
+
+}  // namespace map_fusion

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/fusion/alignment.h>
+#include <mrpt/fusion/options.h>
+#include <mrpt/system/CTicTac.h>
+
+#include <memory>
+#include <string>
+
+#include "arguments.h"
+#include "fusion_report/report.h"
+#include "mrpt_maps.h"
+#include "output.h"
+
+namespace mrpt::config {
+class CConfigFile;
+}
+
+/** \file
+ * What all subcommands share: settings, progress, timing and the report. */
+
+namespace map_fusion {
+
+/** The context of one run. */
+class RunContext {
+ public:
+  /** Checks that the outputs can be written, and loads the settings. \exception std::exception With
+   * one line that names the file. */
+  explicit RunContext(const Arguments& arguments);
+  RunContext(const RunContext&) = delete;
+  RunContext& operator=(const RunContext&) = delete;
+  ~RunContext();
+
+  const Arguments& args;
+  mrpt::fusion::Options options;           ///< Settings, with the arguments applied
+  mrpt::fusion::Report report;             ///< Findings so far
+  Progress progress;                       ///< Line on the terminal
+  mrpt::fusion::OnIteration on_iteration;  ///< Shows an iteration
+
+  /** The map that `--config` defines. It is valid as long as this context. */
+  MapDefinition mapDefinition();
+
+  /** Starts to measure a step. */
+  void startStep() { clock_.Tic(); }
+  /** Adds the time since the last step to the report, and starts to measure the next step. */
+  void endStep(const std::string& name);
+
+  /** Prints the report, and writes it as JSON if wanted. */
+  void finish();
+
+ private:
+  void loadConfig();
+
+  std::unique_ptr<mrpt::config::CConfigFile> config_;
+  mrpt::system::CTicTac clock_;
+};
+
+}  // namespace map_fusion

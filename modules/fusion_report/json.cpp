@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Writes a report as JSON. */
+
+#include "fusion_report/json.h"
+
+#include <mrpt/fusion/poses.h>
+
+#include <nlohmann/json.hpp>
+
+namespace mrpt::fusion {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json poseJson(const mrpt::poses::CPose3D& p) {
+  Json matrix = Json::array();
+  const auto T = toEigen(p).matrix();
+  for (int row = 0; row < 4; row++) matrix.push_back({T(row, 0), T(row, 1), T(row, 2), T(row, 3)});
+  return {{"x", p.x()},
+          {"y", p.y()},
+          {"z", p.z()},
+          {"yaw_deg", mrpt::RAD2DEG(p.yaw())},
+          {"pitch_deg", mrpt::RAD2DEG(p.pitch())},
+          {"roll_deg", mrpt::RAD2DEG(p.roll())},
+          {"matrix", matrix}};
+}
+
+Json poseJson(const mrpt::poses::CPose3DPDFGaussian& p) {
+  Json json = poseJson(p.mean);
+  Json covariance = Json::array();
+  for (int row = 0; row < 6; row++) {
+    Json values = Json::array();
+    for (int col = 0; col < 6; col++) values.push_back(p.cov(row, col));
+    covariance.push_back(values);
+  }
+  json["covariance"] = covariance;
+  return json;
+}
+
+Json matchJson(const Alignment& info) {
+  const auto& e = info.evaluation;
+  Json iterations = Json::array();
+  for (const auto& i : info.match.iterations)
+    iterations.push_back({{"level", i.level == Level::Edge ? "edge" : "voxel"},
+                          {"pairs", i.pairs},
+                          {"mse_m2", i.mse},
+                          {"step_translation_m", i.step_translation},
+                          {"step_rotation_deg", mrpt::RAD2DEG(i.step_rotation)}});
+  Json hypotheses = Json::array();
+  for (const auto& h : info.match.hypotheses)
+    hypotheses.push_back({{"agreement", h.agreement}, {"pose", poseJson(toPose(h.T_a_b))}});
+  return {{"accepted", e.accepted},
+          {"reasons", e.reasons},
+          {"asked", e.asked},
+          {"pairs", e.pairs},
+          {"inliers", e.inliers},
+          {"overlap", e.overlap},
+          {"inlier_ratio", e.inlier_ratio},
+          {"inlier_threshold", e.threshold},
+          {"mean_mahalanobis", e.mean_mahalanobis},
+          {"log_likelihood", e.log_likelihood},
+          {"runner_up", e.runner_up},
+          {"probability", e.probability},
+          {"deviation_m", e.deviation.translation},
+          {"deviation_deg", mrpt::RAD2DEG(e.deviation.rotation)},
+          {"ambiguous", e.is_ambiguous},
+          {"hypotheses", hypotheses},
+          {"free_space_conflict_ratio", e.free_space.conflictRatio()},
+          {"free_space_agreeing", e.free_space.agreeing},
+          {"free_space_conflicting", e.free_space.conflicting},
+          {"voxels_a", info.voxels_m1},
+          {"voxels_b", info.voxels_m2},
+          {"edges_a", info.edges_m1},
+          {"edges_b", info.edges_m2},
+          {"by_edges", info.by_edges},
+          {"iterations", iterations}};
+}
+
+}  // namespace
+
+std::string toJson(const Report& r) {
+  Json json;
+  json["command"] = r.command;
+  json["maps"] = Json::array();
+  for (const auto& m : r.maps) {
+    const auto& s = m.statistics;
+    json["maps"].push_back({{"role", m.role},
+                            {"path", m.path},
+                            {"resolution_m", m.resolution},
+                            {"min_m", m.low},
+                            {"max_m", m.high},
+                            {"nodes", m.nodes},
+                            {"occupied_voxels", s.occupied},
+                            {"free_voxels", s.free},
+                            {"mean_entropy_occupied_nats", s.mean_entropy_occupied},
+                            {"mean_entropy_known_nats", s.mean_entropy_known}});
+  }
+  if (r.observations)
+    json["observations"] = {{"inserted", r.observations->inserted},
+                            {"ignored", r.observations->ignored}};
+  if (r.edges) json["edge_voxels"] = *r.edges;
+  if (r.initial_pose) json["initial_pose"] = poseJson(*r.initial_pose);
+  if (r.pose) json["pose"] = poseJson(*r.pose);
+  if (r.match) json["match"] = matchJson(*r.match);
+  for (const auto& m : r.members) {
+    Json member = {{"robot", m.robot}, {"joined", m.joined}};
+    if (m.hasMatch()) {
+      member["pose"] = poseJson(m.pose);
+      member["match"] = matchJson(m.info);
+    }
+    json["robots"].push_back(member);
+  }
+  if (r.bytes) json["bytes"] = *r.bytes;
+  if (!r.policy.empty()) json["policy"] = r.policy;
+  json["seconds"] = Json::object();
+  for (const auto& [step, seconds] : r.seconds) json["seconds"][step] = seconds;
+  // A path may be of any bytes.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace mrpt::fusion

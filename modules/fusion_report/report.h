@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/fusion/many_maps.h>
+#include <mrpt/fusion/voxels.h>
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+/** \file
+ * The findings of a run as a value. text.h and json.h print it. */
+
+namespace mrpt::fusion {
+
+/** A map in a report. */
+struct MapReport {
+  std::string role;            ///< "a", "b", "fused", "transformed", "map", or a robot's name
+  std::string path;            ///< File of the map
+  double resolution = 0;       ///< Voxel size, m
+  double low[3] = {0, 0, 0};   ///< Lowest corner of the box of the known space, m
+  double high[3] = {0, 0, 0};  ///< Highest corner of that box, m
+  size_t nodes = 0;            ///< Number of nodes of the octree
+  MapStatistics statistics;    ///< Voxels and entropies
+};
+
+/** Collects the figures of a map. O(nodes). */
+MapReport reportOn(const std::string& role, const std::string& path, const octomap::OcTree& map);
+
+/** Number of observations of a recording. */
+struct ObservationCount {
+  size_t inserted = 0;  ///< Observations that changed the map
+  size_t ignored = 0;   ///< All other observations
+};
+
+/** All findings of a run. A field without a value does not apply to the command. */
+struct Report {
+  std::string command;                               ///< Subcommand of map-fusion
+  std::vector<MapReport> maps;                       ///< Maps that were read or written, in order
+  std::optional<mrpt::poses::CPose3D> initial_pose;  ///< Initial guess of T_a_b
+  std::optional<mrpt::poses::CPose3DPDFGaussian> pose;  ///< T_a_b; zero covariance if not judged
+  std::optional<Alignment> match;                       ///< Match of two maps, or a judged pose
+  std::vector<FusionMember> members;                    ///< Robots of a team, in the order given
+  std::optional<size_t> bytes;                          ///< Size of the file that `pack` wrote
+  std::string policy;                                   ///< Merge policy; empty: nothing was merged
+  std::optional<size_t> edges;                   ///< Number of edge voxels that `edges` found
+  std::optional<ObservationCount> observations;  ///< Observations that `build` read
+  std::vector<std::pair<std::string, double>> seconds;  ///< Wall time of each step, s, in order
+};
+
+}  // namespace mrpt::fusion

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Prints a report as text. */
+
+#include "fusion_report/text.h"
+
+#include <mrpt/fusion/poses.h>
+
+#include <cstdarg>
+#include <cstdio>
+#include <ostream>
+#include <string>
+
+namespace mrpt::fusion {
+namespace {
+
+__attribute__((format(printf, 2, 3))) void line(std::ostream& out, const char* format, ...) {
+  char text[512];
+  va_list args;
+  va_start(args, format);
+  std::vsnprintf(text, sizeof(text), format, args);
+  va_end(args);
+  out << text << "\n";
+}
+
+std::string poseText(const mrpt::poses::CPose3D& p) {
+  char text[160];
+  std::snprintf(text, sizeof(text), "[%.4f %.4f %.4f %.3f %.3f %.3f]", p.x(), p.y(), p.z(),
+                mrpt::RAD2DEG(p.yaw()), mrpt::RAD2DEG(p.pitch()), mrpt::RAD2DEG(p.roll()));
+  return text;
+}
+
+void printMaps(const Report& r, std::ostream& out) {
+  out << "maps             voxel   occupied       free   mean entropy (nats)   size\n"
+      << "                     m     voxels     voxels   occupied    known     m\n";
+  for (const auto& m : r.maps) {
+    const auto& s = m.statistics;
+    line(out, "  %-12s %7.3f %10zu %10zu   %8.4f %8.4f     %.1f x %.1f x %.1f", m.role.c_str(),
+         m.resolution, s.occupied, s.free, s.mean_entropy_occupied, s.mean_entropy_known,
+         m.high[0] - m.low[0], m.high[1] - m.low[1], m.high[2] - m.low[2]);
+  }
+}
+
+const char* verdictOf(const Evaluation& e) {
+  return e.accepted ? "accepted" : e.is_ambiguous ? "AMBIGUOUS" : "REJECTED";
+}
+
+void printMember(const FusionMember& m, std::ostream& out) {
+  if (!m.hasMatch()) return line(out, "%-16s the first map: its frame is kept", m.robot.c_str());
+  const auto& e = m.info.evaluation;
+  line(out, "%-16s %s%s, pose %s, overlap %.1f %%", m.robot.c_str(),
+       m.info.by_edges ? "by its edges" : verdictOf(e), m.joined && !e.accepted ? ", forced" : "",
+       poseText(m.pose.mean).c_str(), 100 * e.overlap);
+  if (!m.info.by_edges)
+    for (const auto& reason : e.reasons) out << "                 - " << reason << "\n";
+}
+
+void printMatch(const Alignment& info, std::ostream& out) {
+  const auto& e = info.evaluation;
+  size_t edge_iterations = 0;
+  for (const auto& i : info.match.iterations) edge_iterations += i.level == Level::Edge ? 1 : 0;
+  if (!info.match.iterations.empty()) {
+    line(out, "edge voxels      %zu in a, %zu in b", info.edges_m1, info.edges_m2);
+    line(out, "iterations       %zu on edges, %zu on voxels", edge_iterations,
+         info.match.iterations.size() - edge_iterations);
+  }
+  line(out, "overlap          %.1f %%  (%zu of %zu voxels of b paired)", 100 * e.overlap, e.pairs,
+       e.asked);
+  line(out, "inlier ratio     %.1f %%  (threshold %.1f %%)", 100 * e.inlier_ratio,
+       100 * e.threshold);
+  line(out, "in free space    %.1f %%  of the obstacles seen by both",
+       100 * e.free_space.conflictRatio());
+  line(out, "verdict          %s", verdictOf(e));
+  for (const auto& reason : e.reasons) out << "                 - " << reason << "\n";
+  if (e.is_ambiguous)
+    line(out, "rival pose       %s", poseText(toPose(info.match.hypotheses[1].T_a_b)).c_str());
+}
+
+}  // namespace
+
+void print(const Report& r, std::ostream& out) {
+  if (!r.maps.empty()) printMaps(r, out);
+  if (r.observations)
+    line(out, "observations     %zu inserted, %zu ignored", r.observations->inserted,
+         r.observations->ignored);
+  if (r.edges) line(out, "edge voxels      %zu", *r.edges);
+  if (r.initial_pose) line(out, "initial guess    %s", poseText(*r.initial_pose).c_str());
+  if (r.pose)
+    line(out, "pose of b in a   %s  (m, deg: x y z yaw pitch roll)",
+         poseText(r.pose->mean).c_str());
+  if (r.match) printMatch(*r.match, out);
+  for (const auto& member : r.members) printMember(member, out);
+  if (r.bytes) line(out, "written          %zu bytes", *r.bytes);
+  if (!r.policy.empty()) line(out, "merged by        %s", r.policy.c_str());
+  out << "seconds         ";
+  double total = 0;
+  for (const auto& [step, seconds] : r.seconds) {
+    char text[64];
+    std::snprintf(text, sizeof(text), " %s %.2f,", step.c_str(), seconds);
+    out << text;
+    total += seconds;
+  }
+  line(out, " total %.2f", total);
+}
+
+}  // namespace mrpt::fusion

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <iosfwd>
+
+#include "fusion_report/report.h"
+
+/** \file
+ * A report for people. */
+
+namespace mrpt::fusion {
+
+/** Prints a report as text: poses in m and deg, ratios in percent, wall times in s. */
+void print(const Report& report, std::ostream& out);
+
+}  // namespace mrpt::fusion

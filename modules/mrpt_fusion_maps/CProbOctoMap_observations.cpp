@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * CProbOctoMap: insertion of observations, points and voxels, likelihood of observations, and rays.
+ */
+
+#include <mrpt/maps/CPointsMap.h>
+#include <mrpt/maps/CProbOctoMap.h>
+#include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationPointCloud.h>
+#include <mrpt/obs/CObservationVelodyneScan.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+using namespace mrpt::maps;
+using namespace mrpt::obs;
+
+namespace {
+
+/** The points of an observation and the position of the sensor, both in the map's frame. */
+struct Rays {
+  octomap::point3d origin;
+  octomap::Pointcloud ends;
+};
+
+template <class Point>
+void addPoint(const mrpt::poses::CPose3D& frame, const Point& p, Rays& rays) {
+  double x, y, z;
+  frame.composePoint(p.x, p.y, p.z, x, y, z);
+  if (std::isfinite(x) && std::isfinite(y) && std::isfinite(z))
+    rays.ends.push_back(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
+}
+
+void addPoints(const mrpt::poses::CPose3D& frame, const CPointsMap& points, Rays& rays) {
+  rays.ends.reserve(points.size());
+  for (size_t i = 0; i < points.size(); i++) {
+    mrpt::math::TPoint3Df p;
+    points.getPointFast(i, p.x, p.y, p.z);
+    addPoint(frame, p, rays);
+  }
+}
+
+/** Returns the rays of an observation. \return Nothing if the observation has no points, or is of a
+ * kind that cannot be inserted. */
+std::optional<Rays> raysOf(const CObservation& obs, const mrpt::poses::CPose3D& robot) {
+  obs.load();  // the observation may be lazy-loaded
+  mrpt::poses::CPose3D sensor_on_robot;
+  obs.getSensorPose(sensor_on_robot);
+  const mrpt::poses::CPose3D sensor = robot + sensor_on_robot;
+  Rays rays;
+  rays.origin = octomap::point3d(static_cast<float>(sensor.x()), static_cast<float>(sensor.y()),
+                                 static_cast<float>(sensor.z()));
+
+  if (const auto* scan2d = dynamic_cast<const CObservation2DRangeScan*>(&obs)) {
+    // These points are in the frame of the robot.
+    addPoints(robot, *scan2d->buildAuxPointsMap<CPointsMap>(), rays);
+  } else if (const auto* scan3d = dynamic_cast<const CObservation3DRangeScan*>(&obs)) {
+    if (scan3d->hasPoints3D) {
+      const size_t n = scan3d->points3D_x.size();
+      rays.ends.reserve(n);
+      for (size_t i = 0; i < n; i++) {
+        const mrpt::math::TPoint3Df p(scan3d->points3D_x[i], scan3d->points3D_y[i],
+                                      scan3d->points3D_z[i]);
+        if (p.x != 0 || p.y != 0 || p.z != 0) addPoint(sensor, p, rays);  // (0,0,0): no echo
+      }
+    } else if (scan3d->hasRangeImage) {
+      CObservation3DRangeScan copy(*scan3d);  // unprojectInto() is not const
+      CSimplePointsMap points;
+      copy.unprojectInto(points);
+      addPoints(sensor, points, rays);
+    } else {
+      return std::nullopt;
+    }
+  } else if (const auto* velodyne = dynamic_cast<const CObservationVelodyneScan*>(&obs)) {
+    const auto add = [&](const CObservationVelodyneScan::TPointCloud& cloud) {
+      rays.ends.reserve(cloud.x.size());
+      for (size_t i = 0; i < cloud.x.size(); i++)
+        addPoint(sensor, mrpt::math::TPoint3Df(cloud.x[i], cloud.y[i], cloud.z[i]), rays);
+    };
+    if (velodyne->point_cloud.x.empty()) {
+      CObservationVelodyneScan copy(*velodyne);  // generatePointCloud() is not const
+      copy.generatePointCloud();
+      add(copy.point_cloud);
+    } else {
+      add(velodyne->point_cloud);
+    }
+  } else if (const auto* cloud = dynamic_cast<const CObservationPointCloud*>(&obs)) {
+    if (!cloud->pointcloud) return std::nullopt;
+    addPoints(sensor, *cloud->pointcloud, rays);
+  } else {
+    return std::nullopt;
+  }
+  return rays;
+}
+
+}  // namespace
+
+void CProbOctoMap::finishInsertion() {
+  m_octree->updateInnerOccupancy();
+  if (insertionOptions.pruning) m_octree->prune();
+}
+
+bool CProbOctoMap::internal_insertObservation(
+    const CObservation& obs, const std::optional<const mrpt::poses::CPose3D>& robotPose) {
+  const auto rays = raysOf(obs, robotPose.value_or(mrpt::poses::CPose3D()));
+  if (!rays) return false;
+  applySensorModel();
+  m_octree->insertPointCloud(rays->ends, rays->origin, insertionOptions.maxrange, true);
+  finishInsertion();
+  return true;
+}
+
+void CProbOctoMap::insertPointCloud(const CPointsMap& points, float sensor_x, float sensor_y,
+                                    float sensor_z) {
+  Rays rays;
+  addPoints(mrpt::poses::CPose3D(), points, rays);
+  applySensorModel();
+  m_octree->insertPointCloud(rays.ends, octomap::point3d(sensor_x, sensor_y, sensor_z),
+                             insertionOptions.maxrange, true);
+  finishInsertion();
+}
+
+bool CProbOctoMap::internal_canComputeObservationLikelihood(const CObservation& obs) const {
+  return IS_DERIVED(obs, CObservation2DRangeScan) || IS_DERIVED(obs, CObservation3DRangeScan) ||
+         IS_DERIVED(obs, CObservationVelodyneScan) || IS_DERIVED(obs, CObservationPointCloud);
+}
+
+double CProbOctoMap::internal_computeObservationLikelihood(
+    const CObservation& obs, const mrpt::poses::CPose3D& takenFrom) const {
+  const auto rays = raysOf(obs, takenFrom);
+  if (!rays) return 0;
+  const size_t step = std::max<size_t>(1, likelihoodOptions.decimation);
+  double log_likelihood = 0;
+  octomap::OcTreeKey key;
+  for (size_t i = 0; i < rays->ends.size(); i += step)
+    if (m_octree->coordToKeyChecked(rays->ends.getPoint(static_cast<unsigned>(i)), key))
+      if (const auto* node = m_octree->search(key))
+        log_likelihood += std::log(node->getOccupancy());
+  return log_likelihood;
+}
+
+void CProbOctoMap::insertPointCloud(const CPointsMap& points) {
+  Rays rays;
+  addPoints(mrpt::poses::CPose3D(), points, rays);
+  applySensorModel();
+  for (const auto& p : rays.ends) m_octree->updateNode(p, true, true);
+  finishInsertion();
+}
+
+void CProbOctoMap::updateVoxel(double x, double y, double z, bool occupied) {
+  applySensorModel();
+  m_octree->updateNode(x, y, z, occupied);
+}
+
+bool CProbOctoMap::getPointOccupancy(float x, float y, float z, double& prob_occupancy) const {
+  octomap::OcTreeKey key;
+  if (!m_octree->coordToKeyChecked(octomap::point3d(x, y, z), key)) return false;
+  const auto* node = m_octree->search(key);
+  if (!node) return false;
+  prob_occupancy = node->getOccupancy();
+  return true;
+}
+
+bool CProbOctoMap::castRay(const mrpt::math::TPoint3D& origin,
+                           const mrpt::math::TPoint3D& direction, mrpt::math::TPoint3D& end,
+                           bool ignoreUnknownCells, double maxRange) const {
+  const auto toOctomap = [](const mrpt::math::TPoint3D& p) {
+    return octomap::point3d(static_cast<float>(p.x), static_cast<float>(p.y),
+                            static_cast<float>(p.z));
+  };
+  octomap::point3d hit;
+  const bool found =
+      m_octree->castRay(toOctomap(origin), toOctomap(direction), hit, ignoreUnknownCells, maxRange);
+  end = {hit.x(), hit.y(), hit.z()};
+  return found;
+}
