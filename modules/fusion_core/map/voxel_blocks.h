@@ -290,7 +290,7 @@ void VoxelBlocks::forEachBlock(const Place& low, const Place& high, F&& f) const
 
 template <class F>
 void VoxelBlocks::forEachPart(const Place& place, const Ball& ball, F&& f) const {
-  const auto [x, y, z] = place;
+  const int x = place[0], y = place[1], z = place[2];
   const auto cell = static_cast<size_t>(cellOf(x, y, z));
   if (!ball.parts_.empty()) {
     const uint32_t own = blockAt(x >> 2, y >> 2, z >> 2);

@@ -348,7 +348,8 @@ namespace {
 
 /** Few voxels, spread evenly, to compare poses with; those that have a normal first. */
 SurfaceVoxels fewOf(const SurfaceVoxels& all, double spacing, size_t enough) {
-  const auto& [voxels, surfaces] = all;
+  const OccupiedVoxels& voxels = all.voxels;
+  const Surfaces& surfaces = all.surfaces;
   const auto kept = thinOut(voxels, spacing, [&](uint32_t i, uint32_t j) {
     const bool flat_i = !surfaces.normal[i].isZero(), flat_j = !surfaces.normal[j].isZero();
     return flat_i != flat_j ? flat_i : voxels.probability[i] > voxels.probability[j];
