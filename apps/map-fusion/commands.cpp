@@ -279,6 +279,7 @@ class Run {
           args_.maps[0] + ": holds one map; two are needed, or a rawlog of several robots' maps");
     choosePolicy();
     std::vector<mrpt::fusion::RobotMap> maps;
+    maps.reserve(robots.size());
     for (const Robot& robot : robots) maps.push_back({robot.name, robot.map.view(), robot.pose});
     auto result = mrpt::fusion::fuseMaps(
         maps, options_, args_.force,

@@ -245,7 +245,7 @@ struct Rays {
 
 template <class Point>
 void addPoint(const mrpt::poses::CPose3D& frame, const Point& p, Rays& rays) {
-  double x, y, z;
+  double x = 0, y = 0, z = 0;
   frame.composePoint(p.x, p.y, p.z, x, y, z);
   if (std::isfinite(x) && std::isfinite(y) && std::isfinite(z))
     rays.ends.push_back(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));

@@ -13,7 +13,7 @@ namespace {
 
 /** Where a map is said to be, in the frame of another. */
 mrpt::poses::CPose3DPDFGaussian priorOf(const RobotMap& map, const RobotMap& in) {
-  const auto unknown = noGuess();
+  auto unknown = noGuess();
   for (const auto& cov : {map.pose.cov, in.pose.cov})
     if (cov(0, 0) >= unknown.cov(0, 0)) return unknown;
   return map.pose - in.pose;
