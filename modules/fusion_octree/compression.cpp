@@ -92,6 +92,7 @@ std::vector<uint32_t> tableOf(const std::vector<uint32_t>& leaves) {
   std::unordered_map<uint32_t, size_t> count;
   for (const uint32_t value : leaves) count[value]++;
   std::vector<uint32_t> table;
+  table.reserve(count.size());
   for (const auto& [value, n] : count) table.push_back(value);
   std::sort(table.begin(), table.end(), [&](uint32_t a, uint32_t b) {
     return count[a] != count[b] ? count[a] > count[b] : a < b;

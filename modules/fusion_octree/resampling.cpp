@@ -100,7 +100,9 @@ class ResamplingVisitor {
     State s(stack_);
     const Box box = boxInSource(cube);
     for (size_t i = 0; i < parent.size(); i++) {
-      const Piece piece = parent[i];  // a copy: adding may move the stack
+      // A copy: adding may move the stack.
+      // NOLINTNEXTLINE(performance-unnecessary-copy-initialization)
+      const Piece piece = parent[i];
       addPieces(piece, box, cube.side() * scale_, s);
     }
     return s;

@@ -123,7 +123,7 @@ VoxelBlocks::Ball::Ball(double radius, double beyond)
   };
   masks_.assign(64 * static_cast<size_t>(std::pow(2 * reach_ + 1, 3)), 0);
   // Row by row: what an axis has left of the radius when the other two have used theirs.
-  const auto side = static_cast<size_t>(2 * reach_ + 1);
+  const size_t side = 2 * static_cast<size_t>(reach_) + 1;
   std::vector<uint64_t> along(4 *
                               side);  // of a row, from each x: those of the blocks that it meets
   for (int dz = -radius_; dz <= radius_; dz++)

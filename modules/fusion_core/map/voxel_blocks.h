@@ -131,7 +131,8 @@ class VoxelBlocks {
     };
     /** Of a block, counted from the lowest one. */
     uint64_t maskOf(int x, int y, int z) {
-      Seen& seen = seen_[static_cast<size_t>((z * side_ + y) * side_ + x)];
+      const int block = (z * side_ + y) * side_ + x;
+      Seen& seen = seen_[static_cast<size_t>(block)];
       if (seen.from != places_)
         seen = {blocks_.maskAt(low_[0] + x, low_[1] + y, low_[2] + z), places_};
       return seen.mask;
@@ -181,7 +182,8 @@ class VoxelBlocks {
   using Beside = std::array<uint32_t, 27>;  // the blocks around one, x fastest, or kNone
   /** The index of one of those around a block, by its offset. */
   static constexpr size_t besideOf(int x, int y, int z) {
-    return static_cast<size_t>((z + 1) * 9 + (y + 1) * 3 + x + 1);
+    const int index = (z + 1) * 9 + (y + 1) * 3 + x + 1;
+    return static_cast<size_t>(index);
   }
   struct Slot : Cells {  // a group, of blocks_
     uint64_t key = 0;
