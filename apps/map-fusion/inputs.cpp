@@ -80,8 +80,8 @@ std::vector<Robot> loadRobots(RunContext& run) {
 }
 
 EdgeVoxels edgesOf(const RunContext& run, const LoadedMap& map) {
-  return extractEdges(mrpt::fusion::extractOccupiedVoxels(map.view().wholeMap()),
-                      run.options.match.edges);
+  return extractEdges(mrpt::fusion::extractOccupiedVoxels(map.wholeMap()),
+                      run.options.features.edges);
 }
 
 std::vector<std::string> namesOf(const std::vector<std::string>& paths) {

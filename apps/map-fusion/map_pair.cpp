@@ -9,8 +9,11 @@
 #include <mrpt/fusion/merging.h>
 #include <mrpt/fusion/poses.h>
 #include <mrpt/fusion/voxels.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "fusion_base/files.h"
@@ -20,6 +23,7 @@
 #include "pose.h"
 
 using mrpt::fusion::EdgeVoxels;
+using mrpt::fusion::PreparedMap;
 using mrpt::fusion::toEigen;
 
 namespace map_fusion {
@@ -27,18 +31,19 @@ namespace map_fusion {
 namespace {
 
 /** What the arguments say about the pose of B in A. */
-mrpt::poses::CPose3DPDFGaussian priorOf(const RunContext& run) {
+mrpt::fusion::Prior priorOf(const RunContext& run) {
+  using mrpt::fusion::Prior;
   const auto& sigma = run.args.init_sigma;
-  if (!run.report.initial_pose) return mrpt::fusion::noGuess();
+  if (!run.report.initial_pose) return Prior::none();
+  if (sigma.empty()) return Prior::near(*run.report.initial_pose);
   mrpt::poses::CPose3DPDFGaussian guess(*run.report.initial_pose);
-  if (sigma.empty()) return guess;
   constexpr double kLeastSigma =
       1e-3;  // m; an all-zero covariance means the ranges of the settings
   const double metres = std::max(sigma[0], kLeastSigma);
   const double yaw = mrpt::DEG2RAD(sigma[1]);
   for (int i = 0; i < 3; i++) guess.cov(i, i) = metres * metres;
   guess.cov(3, 3) = yaw * yaw;
-  return guess;
+  return Prior::gaussian(guess);
 }
 
 void drawPicture(RunContext& run, const MapPair& pair) {
@@ -85,14 +90,21 @@ MapPair loadPair(RunContext& run) {
   return pair;
 }
 
+std::pair<PreparedMap, PreparedMap> preparePair(const RunContext& run, const MapPair& pair) {
+  std::optional<PreparedMap> a, b;
+  tbb::parallel_invoke([&] { a.emplace(pair.a.prepared(run.options.features)); },
+                       [&] { b.emplace(pair.b.prepared(run.options.features)); });
+  return {*a, *b};
+}
+
 bool matchPair(RunContext& run, const MapPair& pair) {
   run.progress.show("extracting edges");
-  run.report.match = mrpt::fusion::align(pair.a.view(), pair.b.view(), priorOf(run), run.options,
-                                         run.on_iteration);
+  const auto [a, b] = preparePair(run, pair);
+  run.endStep("features");
+  run.report.match = mrpt::fusion::align(a, b, priorOf(run), run.options, run.on_iteration);
   run.progress.clear();
   const auto& match = *run.report.match;
-  run.report.pose = match.pose;
-  run.report.seconds.emplace_back("features", match.seconds_features);
+  run.report.pose = match.pose();
   run.report.seconds.emplace_back("match", match.seconds_matching);
   run.report.seconds.emplace_back("evaluate", match.seconds_evaluation);
   run.startStep();
@@ -104,7 +116,7 @@ bool matchPair(RunContext& run, const MapPair& pair) {
 void mergePair(RunContext& run, MapPair& pair) {
   run.progress.show("merging");
   choosePolicy(run);
-  pair.fused = mrpt::fusion::mergeMaps(pair.a.view().wholeMap(), pair.b.view().wholeMap(),
+  pair.fused = mrpt::fusion::mergeMaps(pair.a.wholeMap(), pair.b.wholeMap(),
                                        toEigen(run.report.pose->mean), run.options.merge);
   run.progress.clear();
   run.endStep("merge");

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <mrpt/fusion/prepared_map.h>
+
 #include <memory>
+#include <utility>
 
 #include "mrpt_maps.h"
 #include "run_context.h"
@@ -19,6 +22,10 @@ struct MapPair {
 
 /** Loads both maps. Parses the poses of the arguments before. */
 MapPair loadPair(RunContext& run);
+
+/** Prepares both maps at once. */
+std::pair<mrpt::fusion::PreparedMap, mrpt::fusion::PreparedMap> preparePair(const RunContext& run,
+                                                                            const MapPair& pair);
 
 /** Estimates the pose of B in A, and writes it if wanted. \return Whether it is accepted. */
 bool matchPair(RunContext& run, const MapPair& pair);

@@ -22,4 +22,9 @@ const MrptMaps& mrptMaps() {
   return maps;
 }
 
+const octomap::OcTree& LoadedMap::wholeMap() const {
+  if (edges) throw std::runtime_error("the edges of a map are not, and hold no, 3-D occupancy map");
+  return *octree;
+}
+
 }  // namespace map_fusion

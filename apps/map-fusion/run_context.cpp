@@ -38,7 +38,7 @@ RunContext::RunContext(const Arguments& arguments) : args(arguments), progress(!
   for (const auto& path : {args.output, args.pose_out, args.picture, args.scene, args.json})
     if (!path.empty()) checkWritable(path, inputs);
   if (!args.config.empty()) mrpt::fusion::withPath(args.config, [this] { loadConfig(); });
-  if (args.full_6dof) options.match.search.rotations = mrpt::fusion::SearchRotations::All;
+  if (args.full_6dof) options.search.rotations = mrpt::fusion::SearchRotations::All;
   on_iteration = [this](const mrpt::fusion::IterationRecord& i) {
     if (args.verbose)
       std::cerr << toText(i) << "\n";

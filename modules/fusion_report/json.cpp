@@ -69,10 +69,10 @@ Json matchJson(const Alignment& info) {
           {"free_space_conflict_ratio", e.free_space.conflictRatio()},
           {"free_space_agreeing", e.free_space.agreeing},
           {"free_space_conflicting", e.free_space.conflicting},
-          {"voxels_a", info.voxels_m1},
-          {"voxels_b", info.voxels_m2},
-          {"edges_a", info.edges_m1},
-          {"edges_b", info.edges_m2},
+          {"voxels_a", info.voxels_a},
+          {"voxels_b", info.voxels_b},
+          {"edges_a", info.edges_a},
+          {"edges_b", info.edges_b},
           {"by_edges", info.by_edges},
           {"iterations", iterations}};
 }
@@ -107,7 +107,7 @@ std::string toJson(const Report& r) {
     Json member = {{"robot", m.robot}, {"joined", m.joined}};
     if (m.hasMatch()) {
       member["pose"] = poseJson(m.pose);
-      member["match"] = matchJson(m.info);
+      member["match"] = matchJson(m.alignment);
     }
     json["robots"].push_back(member);
   }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <mrpt/fusion/many_maps.h>
-#include <mrpt/fusion/voxels.h>
+#include <mrpt/fusion/statistics.h>
 
 #include <cstddef>
 #include <optional>

@@ -47,11 +47,11 @@ const char* verdictOf(const Evaluation& e) {
 
 void printMember(const FusionMember& m, std::ostream& out) {
   if (!m.hasMatch()) return line(out, "%-16s the first map: its frame is kept", m.robot.c_str());
-  const auto& e = m.info.evaluation;
+  const auto& e = m.alignment.evaluation;
   line(out, "%-16s %s%s, pose %s, overlap %.1f %%", m.robot.c_str(),
-       m.info.by_edges ? "by its edges" : verdictOf(e), m.joined && !e.accepted ? ", forced" : "",
-       poseText(m.pose.mean).c_str(), 100 * e.overlap);
-  if (!m.info.by_edges)
+       m.alignment.by_edges ? "by its edges" : verdictOf(e),
+       m.joined && !e.accepted ? ", forced" : "", poseText(m.pose.mean).c_str(), 100 * e.overlap);
+  if (!m.alignment.by_edges)
     for (const auto& reason : e.reasons) out << "                 - " << reason << "\n";
 }
 
@@ -60,7 +60,7 @@ void printMatch(const Alignment& info, std::ostream& out) {
   size_t edge_iterations = 0;
   for (const auto& i : info.match.iterations) edge_iterations += i.level == Level::Edge ? 1 : 0;
   if (!info.match.iterations.empty()) {
-    line(out, "edge voxels      %zu in a, %zu in b", info.edges_m1, info.edges_m2);
+    line(out, "edge voxels      %zu in a, %zu in b", info.edges_a, info.edges_b);
     line(out, "iterations       %zu on edges, %zu on voxels", edge_iterations,
          info.match.iterations.size() - edge_iterations);
   }

@@ -109,8 +109,8 @@ Image drawTopView(const OccupiedVoxels& a, const OccupiedVoxels& b,
   const int bar = static_cast<int>(5.0 / cell * zoom);
   const int bottom = image.height() - 12;
   image.fillRectangle(kMargin, bottom, kMargin + bar, bottom + 3, kBlack);
-  image.drawText(kMargin + bar + 8, bottom - 8,
-                 "5 m     A: orange   B: blue   both: black", kBlack);
+  image.drawText(kMargin + bar + 8, bottom - 8, "5 m     A: orange   B: blue   both: black",
+                 kBlack);
   return image;
 }
 

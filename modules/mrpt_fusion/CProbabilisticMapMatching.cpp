@@ -1,37 +1,50 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mrpt/fusion/map_files.h>
-#include <mrpt/maps/CEdgeVoxelMap.h>
+#include <mrpt/maps/CProbOctoMap.h>
 #include <mrpt/poses/CPosePDFGaussian.h>
 #include <mrpt/slam/CProbabilisticMapMatching.h>
+#include <mrpt/system/CTicTac.h>
+#include <tbb/parallel_invoke.h>
 
 #include <cmath>
+#include <optional>
 #include <utility>
+
+#include "mrpt_fusion/borrowed.h"
 
 using namespace mrpt::slam;
 using namespace mrpt::fusion;
-using mrpt::maps::CEdgeVoxelMap;
 using mrpt::maps::CMetricMap;
 using mrpt::maps::CProbOctoMap;
 using mrpt::poses::CPose3D;
-
-MatchableMap mrpt::fusion::matchable(const CMetricMap& map) {
-  if (const auto* edges = dynamic_cast<const CEdgeVoxelMap*>(&map))
-    return {nullptr, {nullptr, &edges->edges()}};
-  auto octomap = mrpt::fusion::asProbOctoMap(map);
-  ASSERTMSG_(octomap, std::string("a ") + map.GetRuntimeClass()->className +
-                          " is not, and holds no, 3-D occupancy map");
-  const octomap::OcTree* octree = &octomap->octree();
-  return {std::move(octomap), {octree, nullptr}};
-}
 
 CProbabilisticMapMatching::CProbabilisticMapMatching() {
   setLoggerName("CProbabilisticMapMatching");
 }
 
+namespace {
+
+/** The octree of a whole map of MRPT's; keeps what it is converted to. */
+std::shared_ptr<const CProbOctoMap> wholeMapOf(const CMetricMap& map) {
+  auto octomap = asProbOctoMap(map);
+  ASSERTMSG_(octomap, std::string("a ") + map.GetRuntimeClass()->className +
+                          " is not, and holds no, 3-D occupancy map");
+  return octomap;
+}
+
+/** Both maps, prepared at once. */
+std::pair<PreparedMap, PreparedMap> prepareBoth(const CMetricMap& m1, const CMetricMap& m2,
+                                                const FeatureParams& params) {
+  std::optional<PreparedMap> a, b;
+  tbb::parallel_invoke([&] { a.emplace(prepareBorrowed(m1, params)); },
+                       [&] { b.emplace(prepareBorrowed(m2, params)); });
+  return {*a, *b};
+}
+
+}  // namespace
+
 EdgeVoxels CProbabilisticMapMatching::edges(const CMetricMap& map) const {
   const mrpt::system::CTimeLoggerEntry timing(profiler, "edges");
-  const MatchableMap m = matchable(map);
-  return extractEdges(extractOccupiedVoxels(m.view.wholeMap()), options.match.edges);
+  return extractEdges(extractOccupiedVoxels(wholeMapOf(map)->octree()), options.features.edges);
 }
 
 mrpt::poses::CPose3DPDF::Ptr CProbabilisticMapMatching::Align3DPDF(
@@ -39,20 +52,21 @@ mrpt::poses::CPose3DPDF::Ptr CProbabilisticMapMatching::Align3DPDF(
     const mrpt::poses::CPose3DPDFGaussian& initialEstimationPDF,
     mrpt::optional_ref<TMetricMapAlignmentResult> outInfo) {
   ASSERTMSG_(m1 && m2, "CProbabilisticMapMatching: a map is null");
-  const MatchableMap a = matchable(*m1), b = matchable(*m2);
-  Alignment found = align(a.view, b.view, initialEstimationPDF, options, onIteration);
+  mrpt::system::CTicTac clock;
+  const auto [a, b] = prepareBoth(*m1, *m2, options.features);
+  const double seconds_features = clock.Tac();
+  Alignment found = align(a, b, Prior::gaussian(initialEstimationPDF), options, onIteration);
   constexpr bool kIsTime = true;
-  profiler.registerUserMeasure("features", found.seconds_features, kIsTime);
+  profiler.registerUserMeasure("features", seconds_features, kIsTime);
   profiler.registerUserMeasure("match", found.seconds_matching, kIsTime);
   profiler.registerUserMeasure("evaluate", found.seconds_evaluation, kIsTime);
-  MRPT_LOG_DEBUG_FMT("%u iterations, %zu pairs, %s", found.nIterations, found.match.pairs.size(),
-                     found.evaluation.accepted ? "accepted" : "rejected");
+  MRPT_LOG_DEBUG_FMT("%zu iterations, %zu pairs, %s", found.match.iterations.size(),
+                     found.match.pairs.size(), found.evaluation.accepted ? "accepted" : "rejected");
 
-  const auto pdf = std::make_shared<mrpt::poses::CPose3DPDFGaussian>(found.pose);
+  const auto pdf = std::make_shared<mrpt::poses::CPose3DPDFGaussian>(found.pose());
   if (outInfo) {
     TMetricMapAlignmentResult& wanted = outInfo.value().get();
-    wanted.executionTime =
-        found.seconds_features + found.seconds_matching + found.seconds_evaluation;
+    wanted.executionTime = seconds_features + found.seconds_matching + found.seconds_evaluation;
     if (auto* all = dynamic_cast<TReturnInfo*>(&wanted))
       static_cast<Alignment&>(*all) = std::move(found);
   }
@@ -65,7 +79,7 @@ mrpt::poses::CPosePDF::Ptr CProbabilisticMapMatching::AlignPDF(
     mrpt::optional_ref<TMetricMapAlignmentResult> outInfo) {
   mrpt::poses::CPose3DPDFGaussian prior(initialEstimationPDF);
   if (!prior.cov.asEigen().isZero(0))  // a pose in the plane says nothing of the height
-    prior.cov(2, 2) = std::pow(options.match.search.height / kSearchSigmas, 2);
+    prior.cov(2, 2) = std::pow(options.search.height / kSearchSigmas, 2);
   const auto pdf = Align3DPDF(m1, m2, prior, outInfo);
   auto plane = std::make_shared<mrpt::poses::CPosePDFGaussian>();
   plane->copyFrom(*pdf);
@@ -74,18 +88,18 @@ mrpt::poses::CPosePDF::Ptr CProbabilisticMapMatching::AlignPDF(
 
 CProbabilisticMapMatching::TReturnInfo CProbabilisticMapMatching::evaluate(
     const CMetricMap& m1, const CMetricMap& m2, const CPose3D& pose) const {
-  const MatchableMap a = matchable(m1), b = matchable(m2);
   const mrpt::system::CTimeLoggerEntry timing(profiler, "evaluate");
+  mrpt::system::CTicTac clock;
+  const auto [a, b] = prepareBoth(m1, m2, options.features);
   TReturnInfo info;
-  static_cast<Alignment&>(info) = mrpt::fusion::evaluate(a.view, b.view, pose, options);
-  info.executionTime = info.seconds_evaluation;
+  static_cast<Alignment&>(info) = mrpt::fusion::evaluate(a, b, pose, options);
+  info.executionTime = clock.Tac();
   return info;
 }
 
 CProbOctoMap CProbabilisticMapMatching::merge(const CMetricMap& m1, const CMetricMap& m2,
                                               const CPose3D& pose) const {
-  const MatchableMap a = matchable(m1), b = matchable(m2);
   const mrpt::system::CTimeLoggerEntry timing(profiler, "merge");
   return CProbOctoMap(
-      mergeMaps(a.view.wholeMap(), b.view.wholeMap(), toEigen(pose), options.merge));
+      mergeMaps(wholeMapOf(m1)->octree(), wholeMapOf(m2)->octree(), toEigen(pose), options.merge));
 }

@@ -62,11 +62,11 @@ void drawPairs(const FusionView& view, const OccupiedVoxels& a, const OccupiedVo
   auto inliers = drawLines("inliers", kBlack), outliers = drawLines("outliers", kRed);
   const Eigen::Isometry3d T_a_b = toEigen(view.pose);
   for (const Pair& pair : view.pairs) {
-    const double p_a = a.probability[pair.model], p_b = b.probability[pair.scene];
+    const double p_a = a.probability[pair.a], p_b = b.probability[pair.b];
     const bool is_inlier =
         mahalanobisDistance(pair.squared_distance, p_a, p_b) < view.inlier_mahalanobis;
-    const Eigen::Vector3d from = a.centre[pair.model].cast<double>();
-    const Eigen::Vector3d to = T_a_b * b.centre[pair.scene].cast<double>();
+    const Eigen::Vector3d from = a.centre[pair.a].cast<double>();
+    const Eigen::Vector3d to = T_a_b * b.centre[pair.b].cast<double>();
     (is_inlier ? inliers : outliers)
         ->appendLine(from.x(), from.y(), from.z(), to.x(), to.y(), to.z());
   }

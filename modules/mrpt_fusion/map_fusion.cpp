@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * The maps that robots have sent, as one. */
+#include <mrpt/fusion/fusion.h>
 #include <mrpt/fusion/map_fusion.h>
 
 #include <algorithm>
@@ -11,18 +14,20 @@ using mrpt::obs::CObservationLocalMap;
 
 bool FusionResult::isComplete() const {
   return std::all_of(members.begin(), members.end(),
-                     [](const auto& m) { return m.joined || m.info.by_edges; });
+                     [](const auto& m) { return m.joined || m.alignment.by_edges; });
 }
 
 FusionResult mrpt::fusion::fuseMaps(const mrpt::slam::CProbabilisticMapMatching& matching,
                                     const std::vector<CObservationLocalMap::Ptr>& maps,
                                     bool even_rejected, const OnMember& on_member) {
-  std::vector<MatchableMap> matchables;  // what the views point to
   std::vector<RobotMap> robots;
+  robots.reserve(maps.size());
   for (const auto& m : maps) {
     ASSERTMSG_(m && m->map, "fuseMaps(): a robot's map is missing");
-    mrpt::fusion::withPath(m->sensorLabel, [&] { matchables.push_back(matchable(*m->map)); });
-    robots.push_back({m->sensorLabel, matchables.back().view, m->pose});
+    withPath(m->sensorLabel, [&] {
+      const mrpt::maps::CMetricMap::ConstPtr map = m->map;
+      robots.push_back({m->sensorLabel, prepare(map, matching.options.features), m->pose});
+    });
   }
   auto fused = mrpt::fusion::fuseMaps(robots, matching.options, even_rejected, on_member,
                                       matching.onIteration);

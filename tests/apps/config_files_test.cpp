@@ -28,16 +28,16 @@ std::string toIni(const Options& options, const std::string& header) {
  * pairs of points, constant gates, the statistical test only, the relative-entropy filter. */
 Options paperOptions() {
   Options o;
-  o.match.edges.min_surface_variation = 0;
-  o.match.edges.trace_window = M_PI / 2;
-  o.match.evaluation_voxels = 0;
-  o.match.voxel_spacing = 0;
-  o.match.edge_spacing = 0;
-  o.match.search.translation = 0;
-  o.match.voxel_metric = mrpt::fusion::VoxelMetric::Point;
-  o.match.edge_level.final_gate = o.match.edge_level.gate;
-  o.match.voxel_level.final_gate = o.match.voxel_level.gate;
-  o.match.solver.max_steps = 10;
+  o.features.edges.min_surface_variation = 0;
+  o.features.edges.trace_window = M_PI / 2;
+  o.evaluation.voxels = 0;
+  o.features.voxel_spacing = 0;
+  o.features.edge_spacing = 0;
+  o.search.translation = 0;
+  o.registration.voxel_metric = mrpt::fusion::VoxelMetric::Point;
+  o.registration.edge_level.final_gate = o.registration.edge_level.gate;
+  o.registration.voxel_level.final_gate = o.registration.voxel_level.gate;
+  o.registration.solver.max_steps = 10;
   o.evaluation.max_free_conflict = 1;
   o.evaluation.max_runner_up = 1;
   o.evaluation.min_probability = 0;

@@ -4,6 +4,7 @@
 #include <mrpt/core/bits_math.h>
 #include <mrpt/fusion/evaluation.h>
 #include <mrpt/fusion/merging.h>
+#include <mrpt/fusion/statistics.h>
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -15,10 +16,12 @@
 #include <stdexcept>
 #include <utility>
 
-#include "fusion_core/pair/matching.h"
+#include "fusion_core/map/map_voxels.h"
+#include "fusion_core/verdict/evaluation.h"
 #include "fusion_octree/resampling.h"
 #include "pmm_methods.h"
 #include "stopwatch.h"
+#include "support/matching_tools.h"
 #include "truth.h"
 
 namespace mrpt::fusion::benchmark {
@@ -69,13 +72,15 @@ bool isSuccess(const PoseError& e) { return e.centre <= 0.6 && degrees(e.angle) 
 bool isStrictSuccess(const PoseError& e) { return e.centre <= 0.1 && degrees(e.angle) <= 1; }
 
 /** The default without one of the steps beyond the paper, by name. */
-std::vector<std::pair<const char*, std::function<void(MatchParams&)>>> ablations() {
-  return {{"default", [](MatchParams&) {}},
-          {"no search", [](MatchParams& p) { p.search.translation = p.edge_spacing = 0; }},
-          {"one hypothesis", [](MatchParams& p) { p.search.hypotheses = 1; }},
-          {"no edge level", [](MatchParams& p) { p.edge_level.max_iterations = 0; }},
-          {"point metric", [](MatchParams& p) { p.voxel_metric = VoxelMetric::Point; }},
-          {"constant gate", [](MatchParams& p) { p.voxel_level.final_gate = p.voxel_level.gate; }}};
+std::vector<std::pair<const char*, std::function<void(Options&)>>> ablations() {
+  return {{"default", [](Options&) {}},
+          {"no search", [](Options& p) { p.search.translation = p.features.edge_spacing = 0; }},
+          {"one hypothesis", [](Options& p) { p.search.hypotheses = 1; }},
+          {"no edge level", [](Options& p) { p.registration.edge_level.max_iterations = 0; }},
+          {"point metric", [](Options& p) { p.registration.voxel_metric = VoxelMetric::Point; }},
+          {"constant gate", [](Options& p) {
+             p.registration.voxel_level.final_gate = p.registration.voxel_level.gate;
+           }}};
 }
 
 }  // namespace
@@ -83,9 +88,10 @@ std::vector<std::pair<const char*, std::function<void(MatchParams&)>>> ablations
 void describeData(const MapPair& pair, std::ostream& csv) {
   writeRow(csv, "dataset,voxels_a,voxels_b,edges_a,edges_b,overlap,size_x_m,size_y_m,size_z_m",
            "resolution_m,truth");
-  MatchParams params;
-  params.voxel_spacing = params.edge_spacing = 0;  // the table counts all edge voxels
-  const MapFeatures a = computeFeatures(*pair.a, params), b = computeFeatures(*pair.b, params);
+  Options params;
+  params.features.voxel_spacing = params.features.edge_spacing =
+      0;  // the table counts all edge voxels
+  const MapFeatures a = test::featuresOf(*pair.a, params), b = test::featuresOf(*pair.b, params);
   Eigen::AlignedBox3d box;
   for (const auto& c : a.voxels.centre) box.extend(c.cast<double>());
   for (const auto& c : b.voxels.centre) box.extend(pair.T_a_b * c.cast<double>());
@@ -125,12 +131,12 @@ void alignFromStarts(const MapPair& pair, const std::string& method_name, const 
   std::vector<std::vector<double>> rates(thresholds.size());
   for (size_t i = 0; i < starts.size(); i++) {
     const Registration& result = results[i];
-    const Pairs pairs = pairVoxels(a, b, result.T_a_b, {});
+    const Pairs pairs = test::pairVoxels(a, b, result.T_a_b, {});
     const Evaluation evaluation = evaluateMatch(a, b, pairs, result.T_a_b, {});
     std::vector<double> distances;
     for (const Pair& p : pairs)
-      distances.push_back(mahalanobisDistance(p.squared_distance, a.voxels.probability[p.model],
-                                              b.voxels.probability[p.scene]));
+      distances.push_back(mahalanobisDistance(p.squared_distance, a.voxels.probability[p.a],
+                                              b.voxels.probability[p.b]));
     for (size_t t = 0; t < thresholds.size(); t++) {
       const auto n = std::count_if(distances.begin(), distances.end(),
                                    [&](double d) { return d < thresholds[t]; });
@@ -153,10 +159,10 @@ void matchEdges(const MapPair& pair, const Effort& effort, std::ostream& csv) {
   constexpr unsigned kIterations = 60;  // twice the protocol's, to see where each one ends
   constexpr unsigned kStarts = 40;
   writeRow(csv, "dataset,method,start,iteration,error_m,error_deg,mse_m2");
-  MatchParams params = firstLevelSettings().match;
-  params.edge_level.max_iterations = kIterations;
-  const MapFeatures a = computeFeatures(*pair.a, params);
-  const MapFeatures b = computeFeatures(*pair.b, params);
+  Options params = firstLevelSettings().match;
+  params.registration.edge_level.max_iterations = kIterations;
+  const MapFeatures a = test::featuresOf(*pair.a, params);
+  const MapFeatures b = test::featuresOf(*pair.b, params);
   EdgeAssociation nearest(a.edges);
   const auto mse = [&](const Eigen::Isometry3d& T) {
     return meanSquaredError(nearest.associate(b.edges, T, {}, kGate));
@@ -175,7 +181,8 @@ void matchEdges(const MapPair& pair, const Effort& effort, std::ostream& csv) {
     };
     write("edge_icp", icpSteps(a.edges.centre, b.edges.centre, guess, kGate, kIterations));
     std::vector<Eigen::Isometry3d> poses;
-    matchTwoLevel(a, b, guess, params, [&](const IterationRecord& i) { poses.push_back(i.T_a_b); });
+    test::matchTwoLevel(a, b, guess, params,
+                        [&](const IterationRecord& i) { poses.push_back(i.T_a_b); });
     write("first_level", poses);
   }
 }

@@ -5,6 +5,8 @@
 
 #include <tuple>
 
+#include "support/matching_tools.h"
+
 namespace mrpt::fusion::benchmark {
 namespace {
 
@@ -13,12 +15,13 @@ class Matching : public Method {
   explicit Matching(const Settings& settings) : settings_(settings) {}
 
   void prepare(const MapPair& pair) override {
-    std::tie(a_, b_) = computeFeatures(*pair.a, *pair.b, settings_.match);
+    tbb::parallel_invoke([&] { a_ = test::featuresOf(*pair.a, settings_); },
+                         [&] { b_ = test::featuresOf(*pair.b, settings_); });
   }
 
   Registration align(const Eigen::Isometry3d& start) override {
     MatchResult result = matchMaps(a_, b_, start, settings_.match);
-    const Evaluation evaluation = judgeMatch(a_, b_, settings_.match, settings_.evaluation, result);
+    const Evaluation evaluation = test::judgeMatch(a_, b_, settings_, settings_.evaluation, result);
     return {result.T_a_b, static_cast<unsigned>(result.iterations.size()), evaluation.accepted,
             evaluation.probability, result.covariance};
   }
@@ -43,19 +46,19 @@ Settings publishedSettings() {
 
 Settings withoutSearch() {
   Settings settings;
-  settings.match.search.translation = settings.match.edge_spacing = 0;
+  settings.search.translation = settings.features.edge_spacing = 0;
   return settings;
 }
 
 Settings firstLevelSettings() {
   Settings settings = publishedSettings();
-  settings.match.voxel_level.max_iterations = 0;
+  settings.registration.voxel_level.max_iterations = 0;
   return settings;
 }
 
 Settings withoutGuess() {
   Settings settings;
-  settings.match.search = everywhere(settings.match.search);
+  settings.search = everywhere(settings.search);
   return settings;
 }
 

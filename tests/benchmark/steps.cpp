@@ -22,9 +22,14 @@
 #include <vector>
 
 #include "fusion_base/files.h"
-#include "fusion_core/pair/matching.h"
+#include "fusion_core/features/surfaces.h"
+#include "fusion_core/features/thinning.h"
+#include "fusion_core/map/free_space.h"
+#include "fusion_core/map/voxel_blocks.h"
+#include "fusion_core/verdict/evaluation.h"
 #include "fusion_octree/files.h"
 #include "map_pair.h"
+#include "support/matching_tools.h"
 
 namespace {
 
@@ -43,13 +48,14 @@ struct Workload {
   explicit Workload(const std::string& folder) : pair(loadMapPair(folder)) {}
 
   MapPair pair;
-  MatchParams params;
-  MapFeatures a = computeFeatures(*pair.a, params);
-  MapFeatures b = computeFeatures(*pair.b, params);
+  Options params;
+  MapFeatures a = test::featuresOf(*pair.a, params);
+  MapFeatures b = test::featuresOf(*pair.b, params);
   DescriptorWeights weights = descriptorWeights(
       meanSquaredError(VoxelAssociation(a.matched.voxels)
                            .associate(b.matched.voxels, pair.T_a_b, {}, kWideGate)),
-      occupancyUncertainty(a.voxels.probability, b.voxels.probability), 0, params.weights);
+      occupancyUncertainty(a.voxels.probability, b.voxels.probability), 0,
+      params.registration.weights);
   Eigen::Isometry3d guess = poseOf(nearStart(), pair);
 
   size_t voxelsOfBoth() const { return a.voxels.size() + b.voxels.size(); }
@@ -147,8 +153,8 @@ void extract(State& state, const Workload& w) {
 
 void surfaces(State& state, const Workload& w) {
   const OccupiedVoxels& matched = w.a.matched.voxels;
-  const auto s =
-      measure(state, [&] { return computeSurfaces(matched, w.a.occupied, w.params.edges); });
+  const auto s = measure(
+      state, [&] { return computeSurfaces(matched, w.a.occupied, w.params.features.edges); });
   report(state, w.a.voxels.size(),  // all keys and those of the matched ones in, surfaces out
          bytesOf(w.a.voxels.key) + bytesOf(matched.key) + bytesOf(s));
 }
@@ -156,8 +162,8 @@ void surfaces(State& state, const Workload& w) {
 void edges(State& state, const Workload& w) {
   const SurfaceVoxels& matched = w.a.matched;
   const auto e = measure(state, [&] {
-    return extractEdges(w.a.voxels, w.a.occupied, matched, edgeCandidates(matched, w.params),
-                        w.params.edges);
+    return extractEdges(w.a.voxels, w.a.occupied, matched,
+                        edgeCandidates(matched, w.params.features), w.params.features.edges);
   });
   report(
       state, w.a.voxels.size(),  // all keys, the matched voxels and surfaces in, edges out
@@ -166,7 +172,7 @@ void edges(State& state, const Workload& w) {
 
 /** Extraction, index, surfaces and edges as matching does them. */
 void features(State& state, const Workload& w) {
-  const auto f = measure(state, [&] { return computeFeatures(*w.pair.a, w.params); });
+  const auto f = measure(state, [&] { return test::featuresOf(*w.pair.a, w.params); });
   report(state, f.voxels.size(),  // tree in, voxels, surfaces and edges out
          bytesOf(*w.pair.a) + bytesOf(f.voxels) + bytesOf(f.matched.voxels) +
              bytesOf(f.matched.surfaces) + bytesOf(f.edges));
@@ -175,7 +181,7 @@ void features(State& state, const Workload& w) {
 void index(State& state, const Workload& w) {
   const auto kept = measure(state, [&] {
     const VoxelBlocks occupied(w.a.voxels.key);
-    return thinOut(w.a.voxels, w.params.voxel_spacing);
+    return thinOut(w.a.voxels, w.params.features.voxel_spacing);
   });
   report(state, w.a.voxels.size(),  // keys in, an index and a bit of each out, and what was kept
          bytesOf(w.a.voxels.key) + w.a.voxels.size() * sizeof(uint32_t) + bytesOf(kept.index) +
@@ -195,12 +201,11 @@ void associateNear(State& state, const Workload& w) { associate(state, w, kNarro
 void associateFar(State& state, const Workload& w) { associate(state, w, kWideGate); }
 
 void linearize(State& state, const Workload& w) {
-  const auto& [a, surfaces_a] = w.a.matched;
-  const auto& [b, surfaces_b] = w.b.matched;
-  const Pairs pairs = VoxelAssociation(a).associate(b, w.pair.T_a_b, w.weights, kNarrowGate);
-  const auto linearizeAll = [&, &a = a, &b = b, &surfaces_a = surfaces_a,
-                             &surfaces_b = surfaces_b] {
-    return linearizeSurfaces(a, surfaces_a, b, surfaces_b, pairs, w.pair.T_a_b, w.params.flatness);
+  const SurfaceVoxels &a = w.a.matched, &b = w.b.matched;
+  const Pairs pairs =
+      VoxelAssociation(a.voxels).associate(b.voxels, w.pair.T_a_b, w.weights, kNarrowGate);
+  const auto linearizeAll = [&] {
+    return linearizeSurfaces(a, b, pairs, w.pair.T_a_b, w.params.registration.flatness);
   };
   measure(state, linearizeAll);
   constexpr size_t kVoxel = sizeof(float) + 2 * sizeof(Eigen::Vector3f);
@@ -236,7 +241,7 @@ void match(State& state, const Workload& w) {
 }
 
 void evaluate(State& state, const Workload& w) {
-  const Pairs pairs = pairVoxels(w.a, w.b, w.pair.T_a_b, w.params);
+  const Pairs pairs = test::pairVoxels(w.a, w.b, w.pair.T_a_b, w.params);
   measure(state, [&] { return evaluateMatch(w.a, w.b, pairs, w.pair.T_a_b, {}); });
   report(state, w.voxelsOfBoth(),  // pairs, and of both free space, places and probabilities in
          bytesOf(pairs) + bytesOf(w.a.free) + bytesOf(w.b.free) + bytesOf(w.a.voxels.centre) +

@@ -36,8 +36,8 @@ Alignment rejectedMatch() {
   match.evaluation.pairs = 100;
   match.evaluation.inliers = 50;
   match.evaluation.overlap = 0.5;
-  match.voxels_m1 = 10;
-  match.voxels_m2 = 20;
+  match.voxels_a = 10;
+  match.voxels_b = 20;
   match.match.hypotheses.resize(2);
   match.match.hypotheses[1].T_a_b.translation().x() = 7;
   return match;
@@ -137,7 +137,7 @@ TEST(ReportAsJson, HoldsTheRobotsOfATeam) {
   report.members[0].robot = "first";
   report.members[0].joined = true;
   report.members[1].robot = "second";
-  report.members[1].info = rejectedMatch();
+  report.members[1].alignment = rejectedMatch();
   const Json robots = Json::parse(toJson(report)).at("robots");
   ASSERT_EQ(robots.size(), 2U);
   EXPECT_EQ(robots[0].at("robot"), "first");

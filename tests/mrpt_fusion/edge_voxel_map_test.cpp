@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <mrpt/fusion/poses.h>
 #include <mrpt/io/CMemoryStream.h>
 #include <mrpt/maps/CEdgeVoxelMap.h>
 #include <mrpt/maps/CProbOctoMap.h>
@@ -12,6 +13,7 @@
 #include <limits>
 #include <sstream>
 
+#include "fusion_core/map/map_voxels.h"
 #include "support/apartment_pair.h"
 
 namespace mrpt::fusion::test {
@@ -177,7 +179,7 @@ TEST(MatchingByEdges, FindsThePoseOfEdgesInAMap) {
   const auto pose = pmm.Align3D(&mapA(), &edges_b, guess, info);
   EXPECT_LT(errorAt(*pose), 0.1);
   EXPECT_TRUE(info.by_edges);
-  EXPECT_EQ(info.voxels_m2, edges_b.size());
+  EXPECT_EQ(info.voxels_b, edges_b.size());
   EXPECT_FALSE(info.evaluation.accepted) << "there is nothing to merge";
   EXPECT_NE(info.evaluation.reasons.back().find("edges alone"), std::string::npos);
 }

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 #include <mrpt/fusion/map_fusion.h>
+#include <mrpt/fusion/poses.h>
+#include <mrpt/fusion/statistics.h>
 #include <mrpt/maps/CEdgeVoxelMap.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 
+#include "fusion_octree/resampling.h"
 #include "support/apartment_pair.h"
 
 namespace mrpt::fusion::test {
@@ -58,7 +61,7 @@ TEST(FusingMany, JoinsAllThatMeet) {
   ASSERT_EQ(r.members.size(), 2U);
   EXPECT_TRUE(r.isComplete());
   EXPECT_FALSE(r.members[0].hasMatch());
-  EXPECT_TRUE(r.members[1].info.evaluation.accepted);
+  EXPECT_TRUE(r.members[1].alignment.evaluation.accepted);
   EXPECT_LT(distance(r.members[1], mission().pair.truth), kVoxel);
   EXPECT_EQ(matched, std::vector<std::string>{"b1"});
   EXPECT_GT(occupiedIn(r.map), occupiedIn(dynamic_cast<const CProbOctoMap&>(*mission().a->map)));
@@ -84,7 +87,7 @@ TEST(FusingMany, LeavesOutWhatIsFromElsewhere) {
   const std::vector<CObservationLocalMap::Ptr> maps = {mission().a, elsewhere, mission().b};
   const FusionResult r = fuseMaps(matching, maps);
   EXPECT_FALSE(r.members[1].joined);
-  EXPECT_FALSE(r.members[1].info.evaluation.accepted);
+  EXPECT_FALSE(r.members[1].alignment.evaluation.accepted);
   EXPECT_TRUE(r.members[2].joined);
   EXPECT_FALSE(r.isComplete());
   EXPECT_TRUE(fuseMaps(matching, maps, true).members[1].joined) << "forced";
@@ -118,7 +121,7 @@ TEST(FusingMany, FindsOutWhereEdgesAre) {
   const FusionResult r = fuseMaps(matching, {edges, mission().a, mission().b});
   EXPECT_TRUE(r.members[1].joined) << "the first map that is one";
   EXPECT_FALSE(r.members[0].joined);
-  EXPECT_TRUE(r.members[0].info.by_edges);
+  EXPECT_TRUE(r.members[0].alignment.by_edges);
   EXPECT_LT(distance(r.members[0], mission().pair.truth), 2 * kVoxel);
   EXPECT_TRUE(r.isComplete()) << "nothing more can be expected of edges";
 }

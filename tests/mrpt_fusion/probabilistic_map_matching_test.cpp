@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 #include <mrpt/config/CConfigFileMemory.h>
+#include <mrpt/fusion/poses.h>
 #include <mrpt/maps/CMultiMetricMap.h>
 #include <mrpt/maps/COctoMap.h>
 #include <mrpt/maps/CSimplePointsMap.h>
@@ -59,21 +60,21 @@ std::vector<Number> numbersOf(Options& o) {
           {"direction_radius", &e.direction_radius, 0.55},
           {"min_surface_variation", &e.min_surface_variation, 0.05},
           {"trace_window_deg", &e.trace_window, 45},
-          {"voxel_spacing", &match.voxel_spacing, 0.3},
-          {"edge_spacing", &match.edge_spacing, 0.5},
+          {"voxel_spacing", &match.features.voxel_spacing, 0.3},
+          {"edge_spacing", &match.features.edge_spacing, 0.5},
           {"search_translation", &match.search.translation, 1.5},
           {"search_height", &match.search.height, 0.4},
           {"search_yaw_deg", &match.search.yaw, 33},
           {"search_cell", &match.search.cell, 0.35},
           {"k1", &match.weights.k1, 0.2},
           {"k2", &match.weights.k2, 3},
-          {"edge_gate", &match.edge_level.gate, 1.75},
-          {"edge_final_gate", &match.edge_level.final_gate, 1.25},
-          {"voxel_gate", &match.voxel_level.gate, 0.6},
-          {"voxel_final_gate", &match.voxel_level.final_gate, 0.3},
+          {"edge_gate", &match.registration.edge_level.gate, 1.75},
+          {"edge_final_gate", &match.registration.edge_level.final_gate, 1.25},
+          {"voxel_gate", &match.registration.voxel_level.gate, 0.6},
+          {"voxel_final_gate", &match.registration.voxel_level.final_gate, 0.3},
           {"flatness", &match.flatness, 0.02},
-          {"min_step_translation", &match.min_step_translation, 2e-5},
-          {"min_step_rotation_deg", &match.min_step_rotation, 0.003},
+          {"min_step_translation", &match.registration.min_step_translation, 2e-5},
+          {"min_step_rotation_deg", &match.registration.min_step_rotation, 0.003},
           {"inlier_mahalanobis", &o.evaluation.inlier_mahalanobis, 0.25},
           {"max_free_conflict", &o.evaluation.max_free_conflict, 0.4},
           {"min_overlap", &o.evaluation.min_overlap, 0.05},
@@ -83,12 +84,12 @@ std::vector<Number> numbersOf(Options& o) {
           {"kl_threshold", &o.merge.kl_threshold, 0.123456}};
 }
 std::vector<Count> countsOf(Options& o) {
-  return {{"outlier_neighbours", &o.match.edges.outlier_neighbours, 9},
-          {"solver_steps", &o.match.solver.max_steps, 4},
-          {"evaluation_voxels", &o.match.evaluation_voxels, 12345},
-          {"search_hypotheses", &o.match.search.hypotheses, 5},
-          {"edge_iterations", &o.match.edge_level.max_iterations, 17},
-          {"voxel_iterations", &o.match.voxel_level.max_iterations, 23}};
+  return {{"outlier_neighbours", &o.features.edges.outlier_neighbours, 9},
+          {"solver_steps", &o.registration.solver.max_steps, 4},
+          {"evaluation_voxels", &o.evaluation.voxels, 12345},
+          {"search_hypotheses", &o.search.hypotheses, 5},
+          {"edge_iterations", &o.registration.edge_level.max_iterations, 17},
+          {"voxel_iterations", &o.registration.voxel_level.max_iterations, 23}};
 }
 const std::set<std::string> kEnumerations = {"search_rotations", "voxel_metric", "voxel_covariance",
                                              "merge_policy"};
@@ -130,18 +131,18 @@ TEST(MapMatchingOptions, EachParameterComesBackFromAFile) {
     ASSERT_NE(*c.field, c.value) << c.key;
     *c.field = c.value;
   }
-  saved.match.search.rotations = SearchRotations::All;
-  saved.match.voxel_metric = VoxelMetric::Point;
-  saved.match.voxel_covariance = VoxelCovariance::Quantisation;
+  saved.search.rotations = SearchRotations::All;
+  saved.voxel_metric = VoxelMetric::Point;
+  saved.voxel_covariance = VoxelCovariance::Quantisation;
   saved.merge.policy = MergePolicy::Average;
 
   Options loaded;
   loaded.loadFromConfigFile(CConfigFileMemory(iniOf(saved)), "pmm");
   for (const auto& n : numbersOf(loaded)) EXPECT_NEAR(*n.field, n.value * unitOf(n), 1e-9) << n.key;
   for (const auto& c : countsOf(loaded)) EXPECT_EQ(*c.field, c.value) << c.key;
-  EXPECT_EQ(loaded.match.search.rotations, SearchRotations::All);
-  EXPECT_EQ(loaded.match.voxel_metric, VoxelMetric::Point);
-  EXPECT_EQ(loaded.match.voxel_covariance, VoxelCovariance::Quantisation);
+  EXPECT_EQ(loaded.search.rotations, SearchRotations::All);
+  EXPECT_EQ(loaded.voxel_metric, VoxelMetric::Point);
+  EXPECT_EQ(loaded.voxel_covariance, VoxelCovariance::Quantisation);
   EXPECT_EQ(loaded.merge.policy, MergePolicy::Average);
 }
 
@@ -163,28 +164,28 @@ TEST(MapMatchingOptions, ReadsEachNameOfAnEnumeration) {
     EXPECT_NE(iniOf(o).find(name), std::string::npos);
   }
   load(o, "search_rotations = all\nvoxel_covariance = quantisation\nvoxel_metric = point");
-  EXPECT_EQ(o.match.search.rotations, SearchRotations::All);
-  EXPECT_EQ(o.match.voxel_covariance, VoxelCovariance::Quantisation);
-  EXPECT_EQ(o.match.voxel_metric, VoxelMetric::Point);
+  EXPECT_EQ(o.search.rotations, SearchRotations::All);
+  EXPECT_EQ(o.registration.voxel_covariance, VoxelCovariance::Quantisation);
+  EXPECT_EQ(o.registration.voxel_metric, VoxelMetric::Point);
   load(o, "search_rotations = yaw\nvoxel_covariance = plain\nvoxel_metric = surface");
-  EXPECT_EQ(o.match.search.rotations, SearchRotations::Yaw);
-  EXPECT_EQ(o.match.voxel_covariance, VoxelCovariance::Plain);
-  EXPECT_EQ(o.match.voxel_metric, VoxelMetric::Surface);
+  EXPECT_EQ(o.search.rotations, SearchRotations::Yaw);
+  EXPECT_EQ(o.registration.voxel_covariance, VoxelCovariance::Plain);
+  EXPECT_EQ(o.registration.voxel_metric, VoxelMetric::Surface);
 }
 
 TEST(MapMatchingOptions, MissingKeysKeepTheirValues) {
   Options o;
-  o.match.edges.kappa = 0.3;
+  o.features.edges.kappa = 0.3;
   o.merge.policy = MergePolicy::Stitch;
   load(o, "alpha_min_deg = 75  // a comment");
-  EXPECT_DOUBLE_EQ(o.match.edges.alpha_min, 75 * kDegree);
-  EXPECT_EQ(o.match.edges.kappa, 0.3);
+  EXPECT_DOUBLE_EQ(o.features.edges.alpha_min, 75 * kDegree);
+  EXPECT_EQ(o.features.edges.kappa, 0.3);
   EXPECT_EQ(o.merge.policy, MergePolicy::Stitch);
 }
 
 TEST(MapMatchingOptions, RefusesWhatItCannotUseAndStaysAsItWas) {
   Options o;
-  o.match.edges.kappa = 0.3;
+  o.features.edges.kappa = 0.3;
   const std::string before = iniOf(o);
   for (const char* line : {"kapa = 0.5",
                            "kappa = 1.5",
@@ -242,7 +243,7 @@ class MapMatching : public testing::Test {
     return toPose(maps().truth * poseOf(x, y, 0, yaw));
   }
   MapMatching() {  // the guesses are near
-    pmm.options.match.search.translation = pmm.options.match.edge_spacing = 0;
+    pmm.options.search.translation = pmm.options.features.edge_spacing = 0;
   }
 
   CProbabilisticMapMatching pmm;
@@ -274,12 +275,12 @@ TEST_F(MapMatching, FindsWhatTheCoreFindsAndTellsHow) {
   EXPECT_EQ(info.match.T_a_b.matrix(), r.T_a_b.matrix());
   EXPECT_TRUE(toEigen(gaussian(pdf).mean).isApprox(r.T_a_b, 1e-9));
   EXPECT_EQ(info.match.pairs.size(), r.pairs.size());
-  EXPECT_EQ(info.nIterations, r.iterations.size());
   EXPECT_EQ(info.match.iterations.size(), r.iterations.size());
-  EXPECT_EQ(info.voxels_m1, maps().a.voxels.size());
-  EXPECT_EQ(info.voxels_m2, maps().b.voxels.size());
-  EXPECT_EQ(info.edges_m1, maps().a.edges.size());
-  EXPECT_EQ(info.edges_m2, maps().b.edges.size());
+  EXPECT_EQ(info.match.iterations.size(), r.iterations.size());
+  EXPECT_EQ(info.voxels_a, maps().a.voxels.size());
+  EXPECT_EQ(info.voxels_b, maps().b.voxels.size());
+  EXPECT_EQ(info.edges_a, maps().a.edges.size());
+  EXPECT_EQ(info.edges_b, maps().b.edges.size());
   EXPECT_EQ(info.evaluation.pairs, r.pairs.size());
   EXPECT_EQ(info.evaluation.reasons.size(), 4);
   EXPECT_GT(info.seconds_features, 0);
@@ -343,7 +344,7 @@ TEST_F(MapMatching, AlignPdfIsTheProjectionOnThePlane) {
     for (int j = 0; j < 3; j++)
       EXPECT_NEAR(cov(i, j), expected.cov(of_space[i], of_space[j]), 1e-12);
   EXPECT_GT(leastEigenvalue(cov), 0);
-  EXPECT_GT(info.nIterations, 0);
+  EXPECT_GT(info.match.iterations.size(), 0);
 }
 
 TEST(SearchWithin, IsThreeStandardDeviationsOfThePrior) {
@@ -393,13 +394,14 @@ TEST_F(MapMatching, NeedsNoGuess) {
   const auto pdf = with_search.Align3DPDF(&a, &b, noGuess(), info);
   EXPECT_LT(metresBetween(toEigen(gaussian(pdf).mean), maps().truth), 0.1);
   EXPECT_TRUE(info.evaluation.accepted);
-  ASSERT_EQ(info.hypotheses.size(), info.match.hypotheses.size());
-  ASSERT_GE(info.hypotheses.size(), 2U);
-  const auto& best = *info.hypotheses.begin();
+  const mrpt::poses::CPose3DPDFSOG hypotheses = info.hypotheses();
+  ASSERT_EQ(hypotheses.size(), info.match.hypotheses.size());
+  ASSERT_GE(hypotheses.size(), 2U);
+  const auto& best = *hypotheses.begin();
   EXPECT_LT(metresBetween(toEigen(best.val.mean), maps().truth), 0.2);
   EXPECT_GT(leastEigenvalue(best.val.cov.asEigen()), 0);
-  EXPECT_NEAR(std::exp((info.hypotheses.begin() + 1)->log_w - best.log_w),
-              info.evaluation.runner_up, 1e-9);
+  EXPECT_NEAR(std::exp((hypotheses.begin() + 1)->log_w - best.log_w), info.evaluation.runner_up,
+              1e-9);
 }
 
 TEST_F(MapMatching, OfARoomThatIsTheSameTurnedRoundIsAmbiguous) {
@@ -491,7 +493,7 @@ TEST_F(MapMatching, CallsBackAtEachIteration) {
   CProbabilisticMapMatching::TReturnInfo info;
   pmm.Align3D(&a, &b, guessOffBy(0.3, 0.2, -4), info);
   EXPECT_GT(calls, 2);
-  EXPECT_EQ(calls, info.nIterations);
+  EXPECT_EQ(calls, info.match.iterations.size());
 }
 
 TEST_F(MapMatching, RefusesMapsThatItCannotMatch) {
@@ -515,7 +517,7 @@ TEST_F(MapMatching, RefusesMapsThatItCannotMatch) {
 
 TEST_F(MapMatching, EdgesAreThoseOfTheCore) {
   EXPECT_EQ(pmm.edges(a).centre, maps().a.edges.centre);
-  pmm.options.match.edges.kappa = 0.9;
+  pmm.options.features.edges.kappa = 0.9;
   EXPECT_LT(pmm.edges(a).size(), maps().a.edges.size());
 }
 
@@ -529,7 +531,7 @@ TEST_F(MapMatching, EvaluateJudgesAsAlignDoes) {
   EXPECT_NEAR(info.evaluation.free_space.conflictRatio(),
               aligned.evaluation.free_space.conflictRatio(), 1e-3);
   EXPECT_EQ(info.match.pairs.size(), info.evaluation.pairs);
-  EXPECT_EQ(info.voxels_m1, maps().a.voxels.size());
+  EXPECT_EQ(info.voxels_a, maps().a.voxels.size());
   EXPECT_FALSE(pmm.evaluate(a, b, guessOffBy(1, 0, 0)).evaluation.accepted);
   EXPECT_FALSE(pmm.evaluate(a, b, guessOffBy(100, 0, 0)).evaluation.accepted);
 }

@@ -3,17 +3,18 @@
 
 #include <memory>
 
-#include "fusion_core/pair/matching.h"
+#include "fusion_core/features/features.h"
 #include "fusion_octree/resampling.h"
+#include "support/matching_tools.h"
 #include "support/test_maps.h"
 
 namespace mrpt::fusion::test {
 
 /** With all edges: the first level is tested by itself too. */
-inline MapFeatures featuresOf(const octomap::OcTree& map) {
-  MatchParams params;
+inline MapFeatures allFeaturesOf(const octomap::OcTree& map) {
+  FeatureParams params;
   params.edge_spacing = 0;
-  return computeFeatures(map, params);
+  return computeFeatures(borrowed(map), params);
 }
 
 /** Two maps of an apartment, a common 3.5 m wide, each in a frame amid it and on a grid of its own.
@@ -29,8 +30,8 @@ struct ApartmentPair {
       mrpt::fusion::transformOcTree(*apartment({0, 0, 0}, {65, 69, 25}), T_a_w, resolution);
   const std::unique_ptr<octomap::OcTree> map_b =
       mrpt::fusion::transformOcTree(*apartment({30, 0, 0}, {99, 69, 25}), T_b_w, resolution);
-  const MapFeatures a = featuresOf(*map_a);
-  const MapFeatures b = featuresOf(*map_b);
+  const MapFeatures a = allFeaturesOf(*map_a);
+  const MapFeatures b = allFeaturesOf(*map_b);
 };
 
 }  // namespace mrpt::fusion::test

@@ -11,9 +11,9 @@ namespace map_fusion {
 
 bool runEvaluate(RunContext& run) {
   const MapPair pair = loadPair(run);
-  run.report.match =
-      mrpt::fusion::evaluate(pair.a.view(), pair.b.view(), run.report.pose->mean, run.options);
-  run.report.pose = run.report.match->pose;
+  const auto [a, b] = preparePair(run, pair);
+  run.report.match = mrpt::fusion::evaluate(a, b, run.report.pose->mean, run.options);
+  run.report.pose->cov = run.report.match->pose().cov;
   run.endStep("evaluate");
   drawPair(run, pair);
   return run.report.match->evaluation.accepted;

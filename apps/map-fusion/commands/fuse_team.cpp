@@ -26,7 +26,9 @@ bool runFuseTeam(RunContext& run) {
                              ": holds one map. Give two maps, or a rawlog of several robots' maps");
   choosePolicy(run);
   std::vector<mrpt::fusion::RobotMap> maps;
-  for (const Robot& robot : robots) maps.push_back({robot.name, robot.map.view(), robot.pose});
+  maps.reserve(robots.size());
+  for (const Robot& robot : robots)
+    maps.push_back({robot.name, robot.map.prepared(run.options.features), robot.pose});
   const auto on_member = [&](const std::string& robot, size_t joined) {
     run.progress.show("matching " + robot + " with " + std::to_string(joined) + " joined maps");
   };
@@ -40,7 +42,7 @@ bool runFuseTeam(RunContext& run) {
   const auto joined =
       std::count_if(members.begin(), members.end(), [](const auto& m) { return m.joined; });
   const bool is_mergeable = std::any_of(members.begin(), members.end(), [](const FusionMember& m) {
-    return m.hasMatch() && !m.info.by_edges;
+    return m.hasMatch() && !m.alignment.by_edges;
   });
   if (joined > 1)
     saveFused(run, std::move(result.map));
@@ -49,7 +51,7 @@ bool runFuseTeam(RunContext& run) {
   else
     std::cerr << "map-fusion: nothing was merged: only one robot sent more than edges\n";
   const bool accepted = std::all_of(members.begin(), members.end(), [](const FusionMember& m) {
-    return m.info.by_edges || !m.hasMatch() || m.info.evaluation.accepted;
+    return m.alignment.by_edges || !m.hasMatch() || m.alignment.evaluation.accepted;
   });
   return joined > 1 && accepted;
 }

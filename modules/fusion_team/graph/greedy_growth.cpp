@@ -65,15 +65,16 @@ class Growth {
 
   static bool isBetter(const Alignment& match, const FusionMember& than) {
     const auto rank = [](const Evaluation& e) { return std::pair(e.accepted, e.probability); };
-    return !than.hasMatch() || rank(match.evaluation) > rank(than.match.evaluation);
+    return !than.hasMatch() || rank(match.evaluation) > rank(than.alignment.evaluation);
   }
 
   void keep(Alignment match, size_t i, size_t j) {
     FusionMember& member = result_.members[i];
-    member.match = std::move(match);
+    member.alignment = std::move(match);
     member.matched_with = maps_[j].robot;
     const bool is_first = j == joined_.front();
-    member.pose = is_first ? member.match.pose() : result_.members[j].pose + member.match.pose();
+    member.pose =
+        is_first ? member.alignment.pose() : result_.members[j].pose + member.alignment.pose();
   }
 
   /** The map with the most probable match that may join. */
@@ -82,9 +83,9 @@ class Growth {
     for (size_t i = 0; i < maps_.size(); i++) {
       if (result_.members[i].joined || maps_[i].map.isEdgesAlone()) continue;
       matchWithJoined(i);
-      const Evaluation& e = result_.members[i].match.evaluation;
+      const Evaluation& e = result_.members[i].alignment.evaluation;
       if ((e.accepted || even_rejected) &&
-          (!best || e.probability > result_.members[*best].match.evaluation.probability))
+          (!best || e.probability > result_.members[*best].alignment.evaluation.probability))
         best = i;
     }
     return best;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "fusion_core/features/edges.h"
+
 #include <gtest/gtest.h>
 #include <mrpt/fusion/edges.h>
 
@@ -9,6 +11,7 @@
 #include <set>
 #include <string>
 
+#include "fusion_core/features/surfaces.h"
 #include "fusion_octree/resampling.h"
 #include "support/test_maps.h"
 

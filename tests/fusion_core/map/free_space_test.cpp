@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "fusion_core/map/free_space.h"
+
 #include <gtest/gtest.h>
 #include <mrpt/fusion/voxels.h>
 
 #include <algorithm>
 #include <vector>
 
+#include "fusion_core/map/map_voxels.h"
 #include "fusion_octree/build.h"
+#include "fusion_octree/walk.h"
 #include "support/test_maps.h"
 
 namespace mrpt::fusion::test {

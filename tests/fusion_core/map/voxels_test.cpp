@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <mrpt/fusion/statistics.h>
 #include <mrpt/fusion/voxels.h>
 
 #include <cmath>
 #include <map>
 #include <stdexcept>
 
+#include "fusion_core/map/free_space.h"
+#include "fusion_core/map/map_voxels.h"
 #include "fusion_octree/build.h"
 #include "fusion_octree/walk.h"
 #include "support/test_maps.h"

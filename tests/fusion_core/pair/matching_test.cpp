@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fusion_core/pair/matching.h"
-
 #include <gtest/gtest.h>
 #include <mrpt/fusion/evaluation.h>
 #include <mrpt/fusion/poses.h>
@@ -14,9 +12,17 @@
 #include <utility>
 #include <vector>
 
+#include "fusion_core/features/surfaces.h"
+#include "fusion_core/features/thinning.h"
+#include "fusion_core/map/map_voxels.h"
+#include "fusion_core/pair/match.h"
+#include "fusion_core/registration/pose_covariance.h"
+#include "fusion_core/verdict/agreement.h"
+#include "fusion_core/verdict/evaluation.h"
 #include "fusion_octree/resampling.h"
 #include "robot_simulator.h"
 #include "support/apartment_pair.h"
+#include "support/matching_tools.h"
 
 namespace mrpt::fusion::test {
 namespace {
@@ -34,11 +40,11 @@ class Matching : public testing::Test {
   }
   const Eigen::Isometry3d truth = maps().truth;
   const Eigen::Isometry3d guess = truth * poseOf(0.6, -0.5, 0.2, 7, 2, -2);
-  const MatchParams params{};
+  const Options params{};
 
   /** A match that starts from the guess alone. */
-  MatchParams noStarts() const {
-    MatchParams p = params;
+  Options noStarts() const {
+    Options p = params;
     p.search.hypotheses = 0;
     return p;
   }
@@ -56,8 +62,8 @@ void expectIdentical(const MatchResult& a, const MatchResult& b) {
     EXPECT_EQ(a.iterations[i].mse, b.iterations[i].mse);
   ASSERT_EQ(a.pairs.size(), b.pairs.size());
   for (size_t i = 0; i < a.pairs.size(); i++) {
-    ASSERT_EQ(a.pairs[i].model, b.pairs[i].model);
-    ASSERT_EQ(a.pairs[i].scene, b.pairs[i].scene);
+    ASSERT_EQ(a.pairs[i].a, b.pairs[i].a);
+    ASSERT_EQ(a.pairs[i].b, b.pairs[i].b);
   }
   ASSERT_EQ(a.hypotheses.size(), b.hypotheses.size());
   for (size_t i = 0; i < a.hypotheses.size(); i++) {
@@ -91,7 +97,7 @@ TEST_F(Matching, SearchFindsTheTruthWhereTheTwoLevelsAloneDoNot) {
 }
 
 TEST_F(Matching, FindsThePoseWithoutAGuess) {
-  MatchParams no_guess = params;
+  Options no_guess = params;
   no_guess.search = everywhere(params.search);
   for (const auto& off : {poseOf(0, 0, 0, 0), poseOf(-15, 18, 2, 170), poseOf(9, 20, -1, -95)}) {
     const MatchResult r = matchMaps(fineMaps().a, fineMaps().b, truth * off, no_guess);
@@ -101,7 +107,7 @@ TEST_F(Matching, FindsThePoseWithoutAGuess) {
 }
 
 TEST_F(Matching, FindsThePoseOfMapsWithoutACommonVertical) {
-  MatchParams no_guess = params;
+  Options no_guess = params;
   no_guess.search = everywhere(params.search);
   no_guess.search.rotations = SearchRotations::All;
   // Upright, upside down, on its side, and every which way; the model lying down, too.
@@ -111,7 +117,7 @@ TEST_F(Matching, FindsThePoseOfMapsWithoutACommonVertical) {
         std::pair(poseOf(1, 2, 3, 20, 35, -70), poseOf(-4, 0, 2, 70, -50, 25))}) {
     const auto map_a = mrpt::fusion::transformOcTree(*fineMaps().map_a, T_a, 0.1);
     const auto map_b = mrpt::fusion::transformOcTree(*fineMaps().map_b, T_b, 0.1);
-    const auto [a, b] = computeFeatures(*map_a, *map_b, no_guess);
+    const MapFeatures a = featuresOf(*map_a, no_guess), b = featuresOf(*map_b, no_guess);
     const Eigen::Isometry3d T_a_b = T_a * truth * T_b.inverse();
     MatchResult r = matchMaps(a, b, kIdentity, no_guess);
     EXPECT_LT(metresBetween(r.T_a_b, T_a_b), 0.1) << T_b.matrix();
@@ -143,7 +149,7 @@ TEST_F(Matching, ComparesThePoseThatAllVoxelsLeadToIfFewLedElsewhere) {
 }
 
 TEST_F(Matching, WithoutSearchIsThatOfTheTwoLevels) {
-  MatchParams no_search = params;
+  Options no_search = params;
   no_search.search.translation = 0;
   expectIdentical(matchMaps(maps().a, maps().b, guess, no_search),
                   matchTwoLevel(maps().a, maps().b, guess, params));
@@ -151,8 +157,8 @@ TEST_F(Matching, WithoutSearchIsThatOfTheTwoLevels) {
 
 TEST_F(Matching, EdgeCandidatesAreTheMostBentPieceOfEachCube) {
   const SurfaceVoxels& matched = fineMaps().a.matched;
-  MatchParams sparse = params;
-  sparse.edge_spacing = 0.4;
+  Options sparse = params;
+  sparse.features.edge_spacing = 0.4;
   const auto cubeOf = [](const octomap::OcTreeKey& k) {
     return std::make_tuple(k[0] >> 2, k[1] >> 2, k[2] >> 2);  // of 0.1 m voxels
   };
@@ -161,12 +167,12 @@ TEST_F(Matching, EdgeCandidatesAreTheMostBentPieceOfEachCube) {
     float& most = most_bent.try_emplace(cubeOf(matched.voxels.key[k]), -1.F).first->second;
     most = std::max(most, matched.surfaces.variation[k]);
   }
-  const std::vector<uint32_t> candidates = edgeCandidates(matched, sparse);
+  const std::vector<uint32_t> candidates = edgeCandidates(matched, sparse.features);
   ASSERT_EQ(candidates.size(), most_bent.size());
   for (const uint32_t k : candidates)
     EXPECT_EQ(matched.surfaces.variation[k], most_bent.at(cubeOf(matched.voxels.key[k])));
-  sparse.edge_spacing = 0;
-  EXPECT_EQ(edgeCandidates(matched, sparse).size(), matched.voxels.size());
+  sparse.features.edge_spacing = 0;
+  EXPECT_EQ(edgeCandidates(matched, sparse.features).size(), matched.voxels.size());
 }
 
 TEST_F(Matching, ThinnedOutMapsHaveOneVoxelOfEachCube) {
@@ -207,8 +213,8 @@ TEST_F(Matching, ThinningTakesTheVoxelThatIsAskedFor) {
 
 TEST_F(Matching, FeaturesAreOfTheThinnedVoxels) {
   const MapFeatures& f = fineMaps().a;
-  const Thinned kept = thinOut(f.voxels, params.voxel_spacing);
-  const Surfaces all = computeSurfaces(f.voxels, params.edges);
+  const Thinned kept = thinOut(f.voxels, params.features.voxel_spacing);
+  const Surfaces all = computeSurfaces(f.voxels, params.features.edges);
   ASSERT_EQ(f.matched.voxels.size(), kept.index.size());
   ASSERT_LT(kept.index.size(), f.voxels.size() / 2);
   EXPECT_EQ(f.matched.surfaces.weight, kept.weight);
@@ -219,9 +225,9 @@ TEST_F(Matching, FeaturesAreOfTheThinnedVoxels) {
     EXPECT_EQ(f.matched.surfaces.normal[k], all.normal[kept.index[k]]);
     EXPECT_EQ(f.matched.surfaces.point[k], all.point[kept.index[k]]);
   }
-  MatchParams all_voxels = params;
-  all_voxels.voxel_spacing = 0;
-  EXPECT_EQ(computeFeatures(*fineMaps().map_a, all_voxels).matched.voxels.size(), f.voxels.size());
+  Options all_voxels = params;
+  all_voxels.features.voxel_spacing = 0;
+  EXPECT_EQ(featuresOf(*fineMaps().map_a, all_voxels).matched.voxels.size(), f.voxels.size());
 }
 
 TEST_F(Matching, ThinnedOutMapsHaveOneVoxelOfEachCubeOfAPrunedLeaf) {
@@ -249,9 +255,9 @@ TEST_F(Matching, AgreementIsHighestAtTheTruth) {
 
 TEST_F(Matching, AsPublishedSucceedsByThePapersOwnCriterion) {
   // Not nearer: scene voxels beyond the model's border pull at it, as far as the gate lets them.
-  MatchParams as_published = params;
-  as_published.voxel_metric = VoxelMetric::Point;
-  as_published.voxel_level.final_gate = as_published.voxel_level.gate;
+  Options as_published = params;
+  as_published.registration.voxel_metric = VoxelMetric::Point;
+  as_published.registration.voxel_level.final_gate = as_published.registration.voxel_level.gate;
   const MatchResult r = matchTwoLevel(fineMaps().a, fineMaps().b, guess, as_published);
   EXPECT_LT(metresBetween(r.T_a_b, truth), 0.6);
   EXPECT_LT(degreesBetween(r.T_a_b, truth), 6);
@@ -268,15 +274,15 @@ TEST_F(Matching, TheMatchIsAcceptedAndAPoseOffByAMetreIsNot) {
 }
 
 TEST_F(Matching, EdgesWidenTheBasinOfConvergence) {
-  MatchParams voxels_only = params;
-  voxels_only.edge_level.max_iterations = 0;
+  Options voxels_only = params;
+  voxels_only.registration.edge_level.max_iterations = 0;
   constexpr int kStarts = 24;
   int with_edges = 0, without = 0;
   for (int i = 0; i < kStarts; i++) {
     const double direction = i * 2 * M_PI / kStarts;
     const Eigen::Isometry3d far =
         truth * poseOf(1.2 * std::cos(direction), 1.2 * std::sin(direction), 0.1, i % 2 ? 10 : -10);
-    const auto succeeds = [&](const MatchParams& p) {
+    const auto succeeds = [&](const Options& p) {
       const auto reached = matchTwoLevel(fineMaps().a, fineMaps().b, far, p).T_a_b;
       return metresBetween(reached, truth) < 0.1;
     };
@@ -307,18 +313,18 @@ Eigen::Isometry3d gridMotion(double x, double y, double z) {
 struct MovedMap {
   MovedMap(const octomap::OcTree& source, const Eigen::Isometry3d& M)
       : map(mrpt::fusion::transformOcTree(source, M, source.getResolution())),
-        features(featuresOf(*map)) {}
+        features(allFeaturesOf(*map)) {}
 
   std::unique_ptr<octomap::OcTree> map;
   MapFeatures features;
 };
 
 /** Eq. (22), iterated until nothing changes: two runs end in the same place if they can. */
-MatchParams toTheEnd() {
-  MatchParams params;
-  params.voxel_metric = VoxelMetric::Point;
-  params.min_step_translation = params.min_step_rotation = 0;
-  params.voxel_level.max_iterations = 60;
+Options toTheEnd() {
+  Options params;
+  params.registration.voxel_metric = VoxelMetric::Point;
+  params.registration.min_step_translation = params.registration.min_step_rotation = 0;
+  params.registration.voxel_level.max_iterations = 60;
   return params;
 }
 
@@ -326,7 +332,7 @@ TEST_F(Matching, MovesWithTheModel) {
   const Eigen::Isometry3d M = gridMotion(12.6, -4.2, 0.8);
   const MovedMap a(*maps().map_a, M);
   ASSERT_EQ(a.features.voxels.size(), maps().a.voxels.size());
-  const auto difference = [&](const MatchParams& p) {
+  const auto difference = [&](const Options& p) {
     const MatchResult here = matchTwoLevel(maps().a, maps().b, guess, p);
     const MatchResult there = matchTwoLevel(a.features, maps().b, M * guess, p);
     return std::pair(metresBetween(M.inverse() * there.T_a_b, here.T_a_b),
@@ -378,20 +384,20 @@ TEST_F(Matching, RecordsItsIterationsInOrder) {
     EXPECT_GE(record.step_rotation, 0);
   }
   EXPECT_GE(at_edges, 2);
-  EXPECT_LE(at_edges, params.edge_level.max_iterations);
+  EXPECT_LE(at_edges, params.registration.edge_level.max_iterations);
   EXPECT_GE(told.size() - at_edges, 1);
-  EXPECT_LE(told.size() - at_edges, params.voxel_level.max_iterations);
+  EXPECT_LE(told.size() - at_edges, params.registration.voxel_level.max_iterations);
   // The pairs come closer at each level, and it ends because it stands still.
   EXPECT_LT(r.iterations[at_edges - 1].mse, r.iterations.front().mse);
   EXPECT_LE(r.iterations.back().mse, r.iterations[at_edges].mse);
-  EXPECT_LT(r.iterations.back().step_translation, params.min_step_translation);
-  EXPECT_LT(r.iterations.back().step_rotation, params.min_step_rotation);
+  EXPECT_LT(r.iterations.back().step_translation, params.registration.min_step_translation);
+  EXPECT_LT(r.iterations.back().step_rotation, params.registration.min_step_rotation);
 }
 
 TEST_F(Matching, RecordsTheMseAndTheStepOfAnIteration) {
-  MatchParams one_iteration = params;
-  one_iteration.edge_level.max_iterations = 0;
-  one_iteration.voxel_level.max_iterations = 1;
+  Options one_iteration = params;
+  one_iteration.registration.edge_level.max_iterations = 0;
+  one_iteration.registration.voxel_level.max_iterations = 1;
   const Eigen::Isometry3d near = truth * poseOf(0.1, 0.05, 0, 1);
   const MatchResult r = matchTwoLevel(maps().a, maps().b, near, one_iteration);
   ASSERT_EQ(r.iterations.size(), 1);
@@ -408,10 +414,10 @@ TEST_F(Matching, PairsAreThoseAtItsPose) {
   const MatchResult r = matchTwoLevel(maps().a, maps().b, guess, params);
   ASSERT_GT(r.pairs.size(), 1000);
   for (const Pair& p : r.pairs) {
-    const Eigen::Vector3d e = maps().a.voxels.centre[p.model].cast<double>() -
-                              r.T_a_b * maps().b.voxels.centre[p.scene].cast<double>();
+    const Eigen::Vector3d e = maps().a.voxels.centre[p.a].cast<double>() -
+                              r.T_a_b * maps().b.voxels.centre[p.b].cast<double>();
     ASSERT_NEAR(p.squared_distance, e.squaredNorm(), 1e-4);
-    ASSERT_LT(e.norm(), params.voxel_level.gate);
+    ASSERT_LT(e.norm(), params.registration.voxel_level.gate);
   }
 }
 
@@ -458,9 +464,9 @@ TEST_F(Matching, ACorridorThatSlidesIsKnownToAndIsNotTrusted) {
       const Eigen::Isometry3d T_b = poseOf(0.04, -0.03, 0.02, yaw + 3);
       const auto a = corridor(0, 140, with_pillars, 1, T_a);
       const auto b = corridor(30, 170, with_pillars, 2, T_b);
-      MatchParams near = params;  // so near that no other pose is compared
+      Options near = params;  // so near that no other pose is compared
       near.search.translation = 0.3;
-      const auto [fa, fb] = computeFeatures(*a, *b, near);
+      const MapFeatures fa = featuresOf(*a, near), fb = featuresOf(*b, near);
       const Eigen::Isometry3d T_a_b = T_a * T_b.inverse();
       const Eigen::Vector3d middle = T_a_b * meanOf(fb.voxels.centre);
 
@@ -509,7 +515,8 @@ TEST_F(Matching, WithoutPairsClaimsNoCertainty) {
 }
 
 TEST_F(Matching, OfEmptyMapsReturnsTheGuess) {
-  const MapFeatures empty = computeFeatures(octomap::OcTree(0.1), params);
+  const octomap::OcTree no_map(0.1);
+  const MapFeatures empty = featuresOf(no_map, params);
   for (const auto& [a, b] : {std::pair{&empty, &empty}, {&maps().a, &empty}, {&empty, &maps().b}}) {
     const MatchResult r = matchMaps(*a, *b, guess, params);
     EXPECT_EQ(r.T_a_b.matrix(), guess.matrix());
@@ -528,8 +535,8 @@ TEST_F(Matching, WithoutEdgesGoesByVoxels) {
 
 TEST_F(Matching, IsTheSameForAnyNumberOfThreads) {
   const auto match = [&] {
-    return matchMaps(computeFeatures(*maps().map_a, params), computeFeatures(*maps().map_b, params),
-                     guess, params);
+    return matchMaps(featuresOf(*maps().map_a, params), featuresOf(*maps().map_b, params), guess,
+                     params);
   };
   expectIdentical(withThreads(1, match), withThreads(2, match));
   const auto matchFromAstray = [&] {
@@ -578,9 +585,9 @@ TEST(MatchingOfRobotMaps, ComesBackToTheTruth) {
   const Eigen::Isometry3d truth = toEigen(sim::relativePoseTruth(a, b));
 
   const auto map_a = mapOf(a), map_b = mapOf(b);
-  const MatchParams params{};
-  const MapFeatures features_a = computeFeatures(*map_a, params);
-  const MapFeatures features_b = computeFeatures(*map_b, params);
+  const Options params{};
+  const MapFeatures features_a = featuresOf(*map_a, params);
+  const MapFeatures features_b = featuresOf(*map_b, params);
   for (const auto& off : {poseOf(0.4, -0.3, 0.1, 5), poseOf(-0.5, 0.2, -0.1, -6, 2, 1)}) {
     const MatchResult r = matchTwoLevel(features_a, features_b, truth * off, params);
     EXPECT_LT(metresBetween(r.T_a_b, truth), 0.1);

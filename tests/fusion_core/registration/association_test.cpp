@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "fusion_core/map/voxel_blocks.h"
 #include "support/test_maps.h"
 
 namespace mrpt::fusion::test {
@@ -90,7 +91,7 @@ using Distance = std::function<double(size_t model, size_t scene)>;
 /** The nearest model voxel of each scene voxel, and by how much the next one, or the gate, is
  * farther: where that is less than single precision can tell, either answer is right. */
 struct Twin {
-  std::optional<size_t> model;
+  std::optional<size_t> a;
   double margin = std::numeric_limits<double>::max();
 };
 
@@ -101,7 +102,7 @@ Twin nearest(size_t model_size, size_t scene, double gate, const Distance& dista
   Twin twin;
   twin.margin = std::abs(all[0].first - gate * gate);
   if (all[0].first < gate * gate) {
-    twin.model = all[0].second;
+    twin.a = all[0].second;
     twin.margin = std::min(twin.margin, all[1].first - all[0].first);
   }
   return twin;
@@ -112,9 +113,9 @@ template <class Voxels>
 void expectPairsOfTwin(const Pairs& pairs, const Voxels& model, const Voxels& scene,
                        const Eigen::Isometry3d& T, double gate, const Distance& distance) {
   ASSERT_TRUE(std::is_sorted(pairs.begin(), pairs.end(),
-                             [](const Pair& a, const Pair& b) { return a.scene < b.scene; }));
+                             [](const Pair& a, const Pair& b) { return a.b < b.b; }));
   std::map<size_t, Pair> of_scene;
-  for (const Pair& p : pairs) of_scene[p.scene] = p;
+  for (const Pair& p : pairs) of_scene[p.b] = p;
   ASSERT_EQ(of_scene.size(), pairs.size());
 
   size_t paired = 0, unpaired = 0;
@@ -122,12 +123,12 @@ void expectPairsOfTwin(const Pairs& pairs, const Voxels& model, const Voxels& sc
     const Twin twin = nearest(model.size(), s, gate, distance);
     if (twin.margin < 1e-5) continue;
     const auto found = of_scene.find(s);
-    ASSERT_EQ(found != of_scene.end(), twin.model.has_value()) << s;
-    (twin.model ? paired : unpaired)++;
-    if (!twin.model) continue;
-    ASSERT_EQ(found->second.model, *twin.model) << s;
-    const Eigen::Vector3d e = model.centre[*twin.model].template cast<double>() -
-                              T * scene.centre[s].template cast<double>();
+    ASSERT_EQ(found != of_scene.end(), twin.a.has_value()) << s;
+    (twin.a ? paired : unpaired)++;
+    if (!twin.a) continue;
+    ASSERT_EQ(found->second.a, *twin.a) << s;
+    const Eigen::Vector3d e =
+        model.centre[*twin.a].template cast<double>() - T * scene.centre[s].template cast<double>();
     ASSERT_NEAR(found->second.squared_distance, e.squaredNorm(), 1e-5) << s;
   }
   EXPECT_GT(paired, scene.size() / 4);
@@ -195,8 +196,8 @@ TEST_F(Association, OfAnOctreesVoxelsIsTheSameWithTheirBlocks) {
     ASSERT_GT(pairs.size(), 100U) << gate;
     ASSERT_EQ(pairs.size(), expected.size()) << gate;
     for (size_t i = 0; i < pairs.size(); i++) {
-      EXPECT_EQ(pairs[i].model, expected[i].model) << gate;
-      EXPECT_EQ(pairs[i].scene, expected[i].scene) << gate;
+      EXPECT_EQ(pairs[i].a, expected[i].a) << gate;
+      EXPECT_EQ(pairs[i].b, expected[i].b) << gate;
     }
   }
 }
@@ -230,7 +231,7 @@ TEST_F(Association, DoesNotDependOnTheSignOfAnyDirection) {
   const auto pairsOf = [this](const EdgeVoxels& m, const EdgeVoxels& s) {
     std::vector<std::pair<uint32_t, uint32_t>> indices;
     for (const Pair& p : EdgeAssociation(m).associate(s, T, {0.1, 0.2}, 0.8))
-      indices.emplace_back(p.model, p.scene);
+      indices.emplace_back(p.a, p.b);
     return indices;
   };
   const auto expected = pairsOf(model, scene);
@@ -271,9 +272,7 @@ TEST_F(Association, EqualDistancesGoToTheLowerIndex) {
   const Pairs pairs =
       VoxelAssociation(model).associate(scene, Eigen::Isometry3d::Identity(), {}, 0.9);
   ASSERT_EQ(pairs.size(), scene.size());
-  EXPECT_EQ(
-      std::count_if(pairs.begin(), pairs.end(), [](const Pair& p) { return p.model != p.scene; }),
-      0);
+  EXPECT_EQ(std::count_if(pairs.begin(), pairs.end(), [](const Pair& p) { return p.a != p.b; }), 0);
 }
 
 TEST_F(Association, WithAnEmptySetPairsNothing) {
@@ -290,8 +289,8 @@ TEST_F(Association, IsTheSameForAnyNumberOfThreads) {
   ASSERT_GT(one.size(), 1000);
   ASSERT_EQ(one.size(), two.size());
   for (size_t i = 0; i < one.size(); i++) {
-    ASSERT_EQ(one[i].model, two[i].model);
-    ASSERT_EQ(one[i].scene, two[i].scene);
+    ASSERT_EQ(one[i].a, two[i].a);
+    ASSERT_EQ(one[i].b, two[i].b);
     ASSERT_EQ(one[i].squared_distance, two[i].squared_distance);
   }
 }
@@ -312,7 +311,7 @@ EdgeVoxels lShape(const Eigen::Vector3d& corner) {
 /** Scene voxels that found a voxel of the other arm. */
 size_t onTheWrongArm(const Pairs& pairs) {
   return std::count_if(pairs.begin(), pairs.end(),
-                       [](const Pair& p) { return (p.model < 20) != (p.scene < 20); });
+                       [](const Pair& p) { return (p.a < 20) != (p.b < 20); });
 }
 
 TEST_F(Association, DirectionsKeepTheArmsOfAnLApartWhereDistanceMixesThem) {
@@ -339,7 +338,7 @@ TEST_F(Association, OccupancyTellsApartVoxelsThatDistanceMixes) {
   scene.probability = {0.95F};
   VoxelAssociation association(model);
   const auto partner = [&](double omega_o) {
-    return association.associate(scene, Eigen::Isometry3d::Identity(), {omega_o, 0}, 2).at(0).model;
+    return association.associate(scene, Eigen::Isometry3d::Identity(), {omega_o, 0}, 2).at(0).a;
   };
   EXPECT_EQ(partner(0), 1);
   EXPECT_EQ(partner(0.1), 0);

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fusion_core/registration/optimization.h"
-
 #include <gtest/gtest.h>
 #include <mrpt/fusion/poses.h>
 #include <mrpt/math/wrap2pi.h>
@@ -10,6 +8,11 @@
 #include <random>
 #include <unsupported/Eigen/MatrixFunctions>
 
+#include "fusion_core/features/surfaces.h"
+#include "fusion_core/features/uncertainty.h"
+#include "fusion_core/registration/pose_covariance.h"
+#include "fusion_core/registration/residuals.h"
+#include "fusion_core/registration/solver.h"
 #include "support/test_maps.h"
 
 namespace mrpt::fusion::test {
@@ -58,12 +61,12 @@ class Optimization : public testing::Test {
     return linearizeVoxels(model, scene, pairs, T);
   }
   NormalEquations surfacesAt(const Eigen::Isometry3d& T, double flatness = 0.05) const {
-    return linearizeSurfaces(model, surfacesOf(model, model_normals), scene,
-                             surfacesOf(scene, scene_normals), pairs, T, flatness);
+    return linearizeSurfaces(surfacesOf(model, model_normals), surfacesOf(scene, scene_normals),
+                             pairs, T, flatness);
   }
-  static Surfaces surfacesOf(const OccupiedVoxels& voxels,
-                             const std::vector<Eigen::Vector3f>& normals) {
-    return {normals, voxels.centre, {}, std::vector<float>(voxels.size(), 1)};
+  static SurfaceVoxels surfacesOf(const OccupiedVoxels& voxels,
+                                  const std::vector<Eigen::Vector3f>& normals) {
+    return {voxels, {normals, voxels.centre, {}, std::vector<float>(voxels.size(), 1)}};
   }
   NormalEquations edgesAt(const Eigen::Isometry3d& T,
                           VoxelCovariance kind = VoxelCovariance::Quantisation) const {
@@ -106,7 +109,7 @@ ErrorAt withWeightsHeldAt(const Eigen::Isometry3d& T, const Pairs& pairs,
     double error = 0;
     for (size_t i = 0; i < pairs.size(); i++) {
       const Eigen::Vector3d e =
-          model[pairs[i].model].cast<double>() - at * scene[pairs[i].scene].cast<double>();
+          model[pairs[i].a].cast<double>() - at * scene[pairs[i].b].cast<double>();
       error += e.dot(W[i] * e);
     }
     return error;
@@ -180,11 +183,10 @@ TEST_F(Optimization, EdgeErrorIsEq21) {
     };
     double expected = 0;
     for (const Pair& p : pairs) {
-      const Eigen::Vector3d e = model_edges.centre[p.model].cast<double>() -
-                                T * scene_edges.centre[p.scene].cast<double>();
-      const Eigen::Matrix3d in_a =
-          T.linear() * fused(scene_edges, p.scene) * T.linear().transpose();
-      expected += e.dot((fused(model_edges, p.model) + in_a).inverse() * e);
+      const Eigen::Vector3d e =
+          model_edges.centre[p.a].cast<double>() - T * scene_edges.centre[p.b].cast<double>();
+      const Eigen::Matrix3d in_a = T.linear() * fused(scene_edges, p.b) * T.linear().transpose();
+      expected += e.dot((fused(model_edges, p.a) + in_a).inverse() * e);
     }
     EXPECT_NEAR(edgesAt(T, kind).error, expected, 1e-6 * expected);
   }
@@ -218,8 +220,8 @@ TEST_F(Optimization, SurfaceGradientIsThatOfTheErrorWithItsWeightsHeld) {
   const NormalEquations n = surfacesAt(T);
   const ErrorAt held = withWeightsHeldAt(
       T, pairs, model.centre, scene.centre, [&](const Pairs& p, const Eigen::Isometry3d& at) {
-        return linearizeSurfaces(model, surfacesOf(model, model_normals), scene,
-                                 surfacesOf(scene, scene_normals), p, at, 0.05);
+        return linearizeSurfaces(surfacesOf(model, model_normals), surfacesOf(scene, scene_normals),
+                                 p, at, 0.05);
       });
   ASSERT_NEAR(held(T), n.error, 1e-9 * n.error);
   EXPECT_TRUE((-2 * n.g).isApprox(numericGradient(held, T, n.centre), 1e-6));
@@ -227,16 +229,15 @@ TEST_F(Optimization, SurfaceGradientIsThatOfTheErrorWithItsWeightsHeld) {
 
 TEST_F(Optimization, ASurfaceOfWeightThreeCountsAsThree) {
   addPairs(5, 0.3);
-  Surfaces of_scene = surfacesOf(scene, scene_normals);
-  of_scene.weight[2] = 3;
+  SurfaceVoxels of_scene = surfacesOf(scene, scene_normals);
+  of_scene.surfaces.weight[2] = 3;
   Pairs repeated = pairs;
   repeated.push_back(pairs[2]);
   repeated.push_back(pairs[2]);
-  const Surfaces of_model = surfacesOf(model, model_normals);
-  const NormalEquations weighted =
-      linearizeSurfaces(model, of_model, scene, of_scene, pairs, T_a_b, 0.05);
-  const NormalEquations thrice = linearizeSurfaces(
-      model, of_model, scene, surfacesOf(scene, scene_normals), repeated, T_a_b, 0.05);
+  const SurfaceVoxels of_model = surfacesOf(model, model_normals);
+  const NormalEquations weighted = linearizeSurfaces(of_model, of_scene, pairs, T_a_b, 0.05);
+  const NormalEquations thrice =
+      linearizeSurfaces(of_model, surfacesOf(scene, scene_normals), repeated, T_a_b, 0.05);
   EXPECT_NEAR(weighted.error, thrice.error, 1e-9 * thrice.error);
   // Of the rest only what does not hang on the centre, the mean of the pairs.
   EXPECT_TRUE((weighted.H.topLeftCorner<3, 3>()).isApprox(thrice.H.topLeftCorner<3, 3>(), 1e-9));
@@ -271,11 +272,10 @@ TEST_F(Optimization, SurfaceErrorIsWeightedByTheInverseOfBothCovariances) {
         return Eigen::Matrix3d(Eigen::Matrix3d::Identity() - (1 - flatness) * n * n.transpose());
       };
       const Eigen::Vector3d e =
-          model.centre[p.model].cast<double>() - T_a_b * scene.centre[p.scene].cast<double>();
-      const Eigen::Matrix3d C = covariance(model_normals[p.model].cast<double>()) +
-                                covariance(T_a_b.linear() * scene_normals[p.scene].cast<double>());
-      const double factor =
-          1 / (1.0 / model.probability[p.model] + 1.0 / scene.probability[p.scene]);
+          model.centre[p.a].cast<double>() - T_a_b * scene.centre[p.b].cast<double>();
+      const Eigen::Matrix3d C = covariance(model_normals[p.a].cast<double>()) +
+                                covariance(T_a_b.linear() * scene_normals[p.b].cast<double>());
+      const double factor = 1 / (1.0 / model.probability[p.a] + 1.0 / scene.probability[p.b]);
       expected += factor * e.dot(C.inverse() * e);
     }
     EXPECT_NEAR(surfacesAt(T_a_b, flatness).error, expected, 1e-4 * expected) << flatness;
@@ -284,16 +284,15 @@ TEST_F(Optimization, SurfaceErrorIsWeightedByTheInverseOfBothCovariances) {
 
 TEST_F(Optimization, ErrorAloneIsThatOfTheEquations) {
   addPairs(5000, 0.2);  // more than are added up at once
-  const Surfaces of_model = surfacesOf(model, model_normals),
-                 of_scene = surfacesOf(scene, scene_normals);
+  const SurfaceVoxels of_model = surfacesOf(model, model_normals),
+                      of_scene = surfacesOf(scene, scene_normals);
   for (const Eigen::Isometry3d& at : {T_a_b, Eigen::Isometry3d::Identity()}) {
     const double voxels = voxelsAt(at).error, edges = edgesAt(at).error,
                  surfaces = surfacesAt(at).error;
     EXPECT_NEAR(voxelError(model, scene, pairs, at), voxels, 1e-12 * voxels);
     EXPECT_NEAR(edgeError(model_edges, scene_edges, pairs, at, VoxelCovariance::Quantisation),
                 edges, 1e-12 * edges);
-    EXPECT_NEAR(surfaceError(model, of_model, scene, of_scene, pairs, at, 0.05), surfaces,
-                1e-12 * surfaces);
+    EXPECT_NEAR(surfaceError(of_model, of_scene, pairs, at, 0.05), surfaces, 1e-12 * surfaces);
   }
   EXPECT_EQ(voxelError(model, scene, {}, T_a_b), 0);
 }

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fusion_core/search/search.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 
+#include "fusion_core/features/surfaces.h"
+#include "fusion_core/map/map_voxels.h"
+#include "fusion_core/search/all_rotations.h"
+#include "fusion_core/search/pose_search.h"
+#include "fusion_core/search/wall_directions.h"
+#include "support/matching_tools.h"
 #include "support/test_maps.h"
 
 namespace mrpt::fusion::test {
@@ -25,7 +29,7 @@ class Search : public testing::Test {
   }
   std::vector<Hypothesis> search(const octomap::OcTree& map, const OccupiedVoxels& of_scene,
                                  const Eigen::Isometry3d& guess, const SearchParams& p) const {
-    const MapVoxels all(map);
+    const MapVoxels all(borrowed(map));
     return searchAround(all, computeSurfaces(all.voxels, {}),
                         {of_scene, computeSurfaces(of_scene, {})}, guess, p);
   }
@@ -73,12 +77,12 @@ TEST_F(Search, DominantDirectionsAreThoseOfMostSurface) {
   add(Eigen::Vector3d::UnitY(), 100, 1);
   add(Eigen::Vector3d(1, 1, 0).normalized(), 10, 1);  // too few
   add(Eigen::Vector3d::Zero(), 500, 1);               // no surface
-  const auto found = dominantDirections(surfaces, 5);
+  const auto found = dominantDirections(surfaces, 5, {});
   ASSERT_EQ(found.size(), 3U);
   for (size_t i = 0; i < 3; i++)
     EXPECT_NEAR(std::abs(found[i].dot(R.col(std::array{2, 0, 1}[i]))), 1, 1e-6) << i;
-  EXPECT_EQ(dominantDirections(surfaces, 1).size(), 1U);
-  EXPECT_TRUE(dominantDirections({}, 3).empty());
+  EXPECT_EQ(dominantDirections(surfaces, 1, {}).size(), 1U);
+  EXPECT_TRUE(dominantDirections({}, 3, {}).empty());
 }
 
 TEST_F(Search, FromEverywhereIsNotLedAwayByStrayReturns) {

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "fusion_core/verdict/evaluation.h"
+
 #include <gtest/gtest.h>
 #include <mrpt/fusion/evaluation.h>
 
 #include <cmath>
 
-#include "fusion_core/pair/matching.h"  // pairVoxels()
+#include "fusion_core/map/free_space.h"
+#include "fusion_core/map/map_voxels.h"
+#include "fusion_core/registration/pose_covariance.h"
+#include "support/matching_tools.h"
 #include "support/test_maps.h"
 
 namespace mrpt::fusion::test {
@@ -60,7 +65,7 @@ std::unique_ptr<octomap::OcTree> airAndWall() {
 
 FreeSpaceCheck check(const OccupiedVoxels& scene, const Eigen::Isometry3d& T) {
   const auto model = airAndWall();
-  return checkFreeSpace(MapVoxels(*model), scene, T);
+  return checkFreeSpace(MapVoxels(borrowed(*model)), scene, T);
 }
 
 FreeSpaceCheck checkAt(const std::vector<Cell>& cells, const Eigen::Isometry3d& T = kIdentity) {
@@ -120,7 +125,7 @@ EvaluationParams otherThanProbability() {
 /** Two maps, hand-made pairs of their voxels, and what evaluateMatch() says of them. */
 struct Case {
   std::unique_ptr<octomap::OcTree> map_a, map_b;
-  MapVoxels a{*map_a}, b{*map_b};
+  MapVoxels a{borrowed(*map_a)}, b{borrowed(*map_b)};
   Eigen::Isometry3d T_a_b = kIdentity;
   EvaluationParams params = otherThanProbability();
 
@@ -212,7 +217,7 @@ TEST(EvaluateMatch, ASecondPoseNearlyAsGoodMakesItAmbiguous) {
 TEST(EvaluateMatch, IsRejectedBelowTheLeastProbability) {
   Case c{wall(), wall()};
   const Evaluation e = c.withPairs(100, 0, 0);
-  EXPECT_EQ(e.probability, probabilityOfBeingRight(1, 0, 0, 1));
+  EXPECT_EQ(e.probability, VerdictModel().probability(1, 0, 0, 1));
   c.params.min_probability = e.probability;
   EXPECT_TRUE(c.withPairs(100, 0, 0).accepted);
   c.params.min_probability = std::nextafter(e.probability, 1.0);
@@ -222,15 +227,15 @@ TEST(EvaluateMatch, IsRejectedBelowTheLeastProbability) {
 }
 
 TEST(EvaluateMatch, ProbabilityFallsWithWhatSpeaksAgainstThePose) {
-  const double good = probabilityOfBeingRight(0.5, 0.01, 0.01, 0.96);
+  const double good = VerdictModel().probability(0.5, 0.01, 0.01, 0.96);
   EXPECT_GT(good, 0.95);
-  EXPECT_LT(probabilityOfBeingRight(0.05, 0.01, 0.01, 0.96), good);
-  EXPECT_LT(probabilityOfBeingRight(0.5, 0.10, 0.01, 0.96), good);
-  EXPECT_LT(probabilityOfBeingRight(0.5, 0.01, 0.60, 0.96), good);
-  EXPECT_LT(probabilityOfBeingRight(0.5, 0.01, 0.01, 0.80), good);
+  EXPECT_LT(VerdictModel().probability(0.05, 0.01, 0.01, 0.96), good);
+  EXPECT_LT(VerdictModel().probability(0.5, 0.10, 0.01, 0.96), good);
+  EXPECT_LT(VerdictModel().probability(0.5, 0.01, 0.60, 0.96), good);
+  EXPECT_LT(VerdictModel().probability(0.5, 0.01, 0.01, 0.80), good);
   // A row of pillars off: all but as good, beside as good a shift by another.
-  EXPECT_LT(probabilityOfBeingRight(0.8, 0.036, 0.6, 0.955), 0.8);
-  EXPECT_GE(probabilityOfBeingRight(0, 1, 1, 0), 0);
+  EXPECT_LT(VerdictModel().probability(0.8, 0.036, 0.6, 0.955), 0.8);
+  EXPECT_GE(VerdictModel().probability(0, 1, 1, 0), 0);
 }
 
 TEST(EvaluateMatch, OverlapDoesNotHangOnTheSizesOfTheVoxels) {
@@ -295,14 +300,14 @@ TEST(EvaluateMatch, FreeSpaceSeesWhatTheInliersDoNot) {
   };
   Case c{room(), room()};
   c.T_a_b = poseOf(1.5, 0, 0, 0);
-  const Pairs pairs = pairVoxels(c.a, c.b, c.T_a_b, MatchParams());
+  const Pairs pairs = pairVoxels(c.a, c.b, c.T_a_b, Options());
   const Evaluation e = c.with(pairs);
   EXPECT_GT(e.inlier_ratio, e.threshold);
   EXPECT_GT(e.free_space.conflictRatio(), c.params.max_free_conflict);
   EXPECT_FALSE(e.accepted);
 
   c.T_a_b = kIdentity;
-  EXPECT_TRUE(c.with(pairVoxels(c.a, c.b, c.T_a_b, MatchParams())).accepted);
+  EXPECT_TRUE(c.with(pairVoxels(c.a, c.b, c.T_a_b, Options())).accepted);
 }
 
 TEST(EvaluateMatch, OfSomeVoxelsIsNearlyThatOfAll) {
@@ -316,10 +321,12 @@ TEST(EvaluateMatch, OfSomeVoxelsIsNearlyThatOfAll) {
   Case c{room(20), room(24)};
   c.T_a_b = poseOf(0.03, -0.06, 0.02, 0.2);
   const auto evaluated = [&](unsigned enough) {
-    MatchParams match;
-    match.evaluation_voxels = enough;
+    Options match;
+    match.evaluation.voxels = enough;
     const Pairs pairs = pairVoxels(c.a, c.b, c.T_a_b, match);
-    return evaluateMatch(c.a, c.b, pairs, c.T_a_b, c.params, 0, {}, enough);
+    EvaluationParams of_some = c.params;
+    of_some.voxels = enough;
+    return evaluateMatch(c.a, c.b, pairs, c.T_a_b, of_some);
   };
   const Evaluation all = evaluated(0), some = evaluated(3000);
   ASSERT_EQ(all.asked, c.b.voxels.size());

@@ -51,7 +51,7 @@ enum class VoxelCovariance {
 };
 
 /** Eq. (6): the spatial covariance of the edge voxels around one, by its eigen-decomposition. */
-struct EdgeCovariance {
+struct MRPT_FUSION_API EdgeCovariance {
   Eigen::Vector3d eigenvalues = Eigen::Vector3d::Zero();       ///< ascending, m^2
   Eigen::Matrix3d eigenvectors = Eigen::Matrix3d::Identity();  ///< columns, same order
 

@@ -28,11 +28,11 @@ struct FusionMember {
   std::string robot;                     ///< Name of the robot
   bool joined = false;                   ///< True if it is part of the fused map
   mrpt::poses::CPose3DPDFGaussian pose;  ///< Pose of its frame in the fused map's, as far as known
-  std::string matched_with;  ///< Robot whose map is A of \a match; empty for the first map
-  Alignment match;           ///< Its best match; its pose is in the frame of \a matched_with
+  std::string matched_with;  ///< Robot whose map is A of the alignment; empty for the first map
+  Alignment alignment;       ///< Its best match; the pose is in the frame of \a matched_with
 
   /** True unless this is the first map, whose frame is kept: the others are matched. */
-  bool hasMatch() const { return match.voxels_b > 0; }
+  bool hasMatch() const { return alignment.voxels_b > 0; }
 };
 
 /** The map of many, and what became of each. */

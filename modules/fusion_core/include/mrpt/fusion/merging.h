@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <mrpt/fusion/export.h>
 #include <octomap/OcTree.h>
 
 #include <Eigen/Geometry>
@@ -25,7 +26,7 @@ enum class MergePolicy {
 };
 
 /** The policies with their names in .ini files and on the command line. */
-const std::vector<std::pair<MergePolicy, const char*>>& mergePolicyNames();
+MRPT_FUSION_API const std::vector<std::pair<MergePolicy, const char*>>& mergePolicyNames();
 
 /** Settings of mergeMaps(). */
 struct MergeParams {
@@ -35,16 +36,17 @@ struct MergeParams {
 
 /** Eq. (27): KL(p || q) of two occupancy probabilities, nats, >= 0, not symmetric. Probabilities
  * are first clamped to [1e-6, 1 - 1e-6]. */
-double relativeEntropy(double p, double q);
+MRPT_FUSION_API double relativeEntropy(double p, double q);
 
 /** Eq. (28): the mean of two probabilities, each weighted by itself; never below their mean. */
-double weightedMean(double p, double q);
+MRPT_FUSION_API double weightedMean(double p, double q);
 
 /** The fused value of a voxel known to both maps.
  * \param[in] a,b Log-odds in map A (model) and map B (scene). \param[in] params The policy.
  * \param[in] clamp_min,clamp_max Clamping thresholds of the result, log-odds. \return Log-odds.
  * Bayes sums stay within [clamp_min, clamp_max], or the inputs where they lie outside. */
-float fuseLogOdds(float a, float b, const MergeParams& params, float clamp_min, float clamp_max);
+MRPT_FUSION_API float fuseLogOdds(float a, float b, const MergeParams& params, float clamp_min,
+                                  float clamp_max);
 
 /** Merges whole maps: occupied, free and unknown space.
  *
@@ -57,8 +59,9 @@ float fuseLogOdds(float a, float b, const MergeParams& params, float clamp_min, 
  * modified. \exception std::invalid_argument, std::out_of_range As transformOcTree().
  * Cost: that of transformOcTree() plus one traversal of both trees.
  */
-std::unique_ptr<octomap::OcTree> mergeMaps(const octomap::OcTree& a, const octomap::OcTree& b,
-                                           const Eigen::Isometry3d& T_a_b,
-                                           const MergeParams& params);
+MRPT_FUSION_API std::unique_ptr<octomap::OcTree> mergeMaps(const octomap::OcTree& a,
+                                                           const octomap::OcTree& b,
+                                                           const Eigen::Isometry3d& T_a_b,
+                                                           const MergeParams& params);
 
 }  // namespace mrpt::fusion

@@ -4,10 +4,9 @@
 #include <mrpt/fusion/compat.h>
 #include <mrpt/fusion/edges.h>
 #include <mrpt/fusion/export.h>
+#include <mrpt/fusion/match_result.h>
 #include <mrpt/poses/CPose3D.h>
 #include <octomap/OcTree.h>
-
-#include "fusion_core/registration/association.h"
 
 /** \file
  * The result of a fusion as a 3-D scene. */

@@ -43,12 +43,11 @@ class MRPT_FUSION_API CProbabilisticMapMatching : public CMetricMapsAlignmentAlg
    * \param[in] m1,m2 The maps A and B.
    * \param[in] initialEstimationPDF Its mean is the initial guess (the pose of m2 in m1's
    * frame), and three of its standard deviations bound the search for starts, see
-   * mrpt::fusion::searchWithin(); mrpt::fusion::noGuess() if nothing is known, zero: as the options
-   * say.
-   * \param[out] outInfo A TReturnInfo, if wanted.
-   * \return A CPose3DPDFGaussian: the pose, and the covariance of (x, y, z, yaw, pitch, roll) from
-   * the final Hessian. Check TReturnInfo::evaluation before using it.
-   * \exception std::exception If a map is null, of another kind, or has no occupied (edge) voxel.
+   * mrpt::fusion::Prior::gaussian(); mrpt::fusion::noGuess() if nothing is known, zero: as the
+   * options say. \param[out] outInfo A TReturnInfo, if wanted. \return A CPose3DPDFGaussian: the
+   * pose, and the covariance of (x, y, z, yaw, pitch, roll) from the final Hessian. Check
+   * TReturnInfo::evaluation before using it. \exception std::exception If a map is null, of another
+   * kind, or has no occupied (edge) voxel.
    */
   mrpt::poses::CPose3DPDF::Ptr Align3DPDF(
       const mrpt::maps::CMetricMap* m1, const mrpt::maps::CMetricMap* m2,
@@ -82,16 +81,3 @@ class MRPT_FUSION_API CProbabilisticMapMatching : public CMetricMapsAlignmentAlg
 };
 
 }  // namespace mrpt::slam
-
-namespace mrpt::fusion {
-
-/** What of an MRPT map can be matched. */
-struct MatchableMap {
-  /** What \a view points to, if the map is not itself of our kind; it else need not be kept. */
-  std::shared_ptr<const mrpt::maps::CProbOctoMap> octomap;
-  MapView view;  ///< of a CEdgeVoxelMap its edges; else the octree, see asProbOctoMap()
-};
-/** Valid as long as \a map. \exception std::exception If it is, holds and converts to none. */
-MRPT_FUSION_API MatchableMap matchable(const mrpt::maps::CMetricMap& map);
-
-}  // namespace mrpt::fusion
