@@ -42,14 +42,13 @@ ExitCode run(const Arguments& args) {
 
 int main(int argc, char** argv) {
   using namespace map_fusion;
-  Arguments args;
-  if (const auto code = parseArguments(argc, argv, args)) return *code;
-
-  std::unique_ptr<tbb::global_control> limit;
-  if (args.threads > 0)
-    limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
-                                                  args.threads);
   try {
+    Arguments args;
+    if (const auto code = parseArguments(argc, argv, args)) return *code;
+    std::unique_ptr<tbb::global_control> limit;
+    if (args.threads > 0)
+      limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                    args.threads);
     return run(args);
   } catch (const std::bad_alloc&) {
     std::cerr << "map-fusion: out of memory\n";

@@ -46,10 +46,10 @@ const char* verdictOf(const Evaluation& e) {
 }
 
 void printMember(const FusionMember& m, std::ostream& out) {
-  if (!m.hasMatch()) return line(out, "%-16s the first map: its frame is kept", m.robot.c_str());
+  if (!m.hasMatch()) return line(out, "%-16s first map, its frame is kept", m.robot.c_str());
   const auto& e = m.alignment.evaluation;
   line(out, "%-16s %s%s, pose %s, overlap %.1f %%", m.robot.c_str(),
-       m.alignment.by_edges ? "by its edges" : verdictOf(e),
+       m.alignment.by_edges ? "placed by edges" : verdictOf(e),
        m.joined && !e.accepted ? ", forced" : "", poseText(m.pose.mean).c_str(), 100 * e.overlap);
   if (!m.alignment.by_edges)
     for (const auto& reason : e.reasons) out << "                 - " << reason << "\n";
@@ -60,15 +60,15 @@ void printMatch(const Alignment& info, std::ostream& out) {
   size_t edge_iterations = 0;
   for (const auto& i : info.match.iterations) edge_iterations += i.level == Level::Edge ? 1 : 0;
   if (!info.match.iterations.empty()) {
-    line(out, "edge voxels      %zu in a, %zu in b", info.edges_a, info.edges_b);
+    line(out, "edge voxels      %zu in A, %zu in B", info.edges_a, info.edges_b);
     line(out, "iterations       %zu on edges, %zu on voxels", edge_iterations,
          info.match.iterations.size() - edge_iterations);
   }
-  line(out, "overlap          %.1f %%  (%zu of %zu voxels of b paired)", 100 * e.overlap, e.pairs,
+  line(out, "overlap          %.1f %%  (%zu of %zu voxels of B paired)", 100 * e.overlap, e.pairs,
        e.asked);
   line(out, "inlier ratio     %.1f %%  (threshold %.1f %%)", 100 * e.inlier_ratio,
        100 * e.threshold);
-  line(out, "in free space    %.1f %%  of the obstacles seen by both",
+  line(out, "conflict ratio   %.1f %%  (obstacles in seen free space of the other map)",
        100 * e.free_space.conflictRatio());
   line(out, "verdict          %s", verdictOf(e));
   for (const auto& reason : e.reasons) out << "                 - " << reason << "\n";
@@ -86,7 +86,7 @@ void print(const Report& r, std::ostream& out) {
   if (r.edges) line(out, "edge voxels      %zu", *r.edges);
   if (r.initial_pose) line(out, "initial guess    %s", poseText(*r.initial_pose).c_str());
   if (r.pose)
-    line(out, "pose of b in a   %s  (m, deg: x y z yaw pitch roll)",
+    line(out, "pose of B in A   %s  (m, deg: x y z yaw pitch roll)",
          poseText(r.pose->mean).c_str());
   if (r.match) printMatch(*r.match, out);
   for (const auto& member : r.members) printMember(member, out);

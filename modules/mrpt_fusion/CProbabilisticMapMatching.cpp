@@ -67,8 +67,10 @@ mrpt::poses::CPose3DPDF::Ptr CProbabilisticMapMatching::Align3DPDF(
   if (outInfo) {
     TMetricMapAlignmentResult& wanted = outInfo.value().get();
     wanted.executionTime = seconds_features + found.seconds_matching + found.seconds_evaluation;
-    if (auto* all = dynamic_cast<TReturnInfo*>(&wanted))
+    if (auto* all = dynamic_cast<TReturnInfo*>(&wanted)) {
       static_cast<Alignment&>(*all) = std::move(found);
+      all->seconds_features = seconds_features;
+    }
   }
   return pdf;
 }
@@ -92,6 +94,7 @@ CProbabilisticMapMatching::TReturnInfo CProbabilisticMapMatching::evaluate(
   mrpt::system::CTicTac clock;
   const auto [a, b] = prepareBoth(m1, m2, options.features);
   TReturnInfo info;
+  info.seconds_features = clock.Tac();
   static_cast<Alignment&>(info) = mrpt::fusion::evaluate(a, b, pose, options);
   info.executionTime = clock.Tac();
   return info;

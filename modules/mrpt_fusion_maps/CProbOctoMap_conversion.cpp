@@ -187,9 +187,8 @@ namespace {
 using Colour = std::array<uint8_t, 3>;
 using mrpt::math::TPoint3D;
 
-/** Returns the colour of the occupied voxel at a point of the frame of a map. */
-std::optional<Colour> colourAt(const CColouredOctoMap& map, const TPoint3D& p) {
-  const auto x = static_cast<float>(p.x), y = static_cast<float>(p.y), z = static_cast<float>(p.z);
+/** Returns the colour of the occupied voxel at a point of the frame of a map, m. */
+std::optional<Colour> colourAt(const CColouredOctoMap& map, float x, float y, float z) {
   constexpr Colour kUnset = {255, 255, 255};  // default of octomap
   double occupancy = 0;
   Colour c = kUnset;
@@ -202,7 +201,10 @@ std::optional<Colour> colourAt(const CColouredOctoMap& map, const TPoint3D& p) {
 /** Returns the colour of the coloured, occupied voxel whose centre is nearest to a point of the
  * frame of a map. Returns nothing if no such centre is within \a reach, m. */
 std::optional<Colour> nearestColour(const CColouredOctoMap& map, const TPoint3D& p, double reach) {
-  if (const auto here = colourAt(map, p)) return here;  // no other centre is nearer
+  const auto colourOf = [&](double x, double y, double z) {
+    return colourAt(map, static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
+  };
+  if (const auto here = colourOf(p.x, p.y, p.z)) return here;  // no other centre is nearer
   const double voxel = map.getResolution();
   const auto centre = [&](double v, int offset) {
     return (std::floor(v / voxel) + 0.5 + offset) * voxel;
@@ -213,10 +215,11 @@ std::optional<Colour> nearestColour(const CColouredOctoMap& map, const TPoint3D&
   for (int i = -n; i <= n; i++)
     for (int j = -n; j <= n; j++)
       for (int k = -n; k <= n; k++) {
-        const TPoint3D q(centre(p.x, i), centre(p.y, j), centre(p.z, k));
-        const double distance = (q - p).norm();
+        const double x = centre(p.x, i), y = centre(p.y, j), z = centre(p.z, k);
+        const double dx = x - p.x, dy = y - p.y, dz = z - p.z;
+        const double distance = std::sqrt(dx * dx + dy * dy + dz * dz);
         if (distance > nearest_distance) continue;
-        if (const auto colour = colourAt(map, q)) {
+        if (const auto colour = colourOf(x, y, z)) {
           nearest = colour;
           nearest_distance = distance;
         }

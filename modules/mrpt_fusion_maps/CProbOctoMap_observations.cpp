@@ -26,10 +26,9 @@ struct Rays {
   octomap::Pointcloud ends;
 };
 
-template <class Point>
-void addPoint(const mrpt::poses::CPose3D& frame, const Point& p, Rays& rays) {
-  double x, y, z;
-  frame.composePoint(p.x, p.y, p.z, x, y, z);
+void addPoint(const mrpt::poses::CPose3D& frame, float p_x, float p_y, float p_z, Rays& rays) {
+  double x = 0, y = 0, z = 0;
+  frame.composePoint(p_x, p_y, p_z, x, y, z);
   if (std::isfinite(x) && std::isfinite(y) && std::isfinite(z))
     rays.ends.push_back(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
 }
@@ -37,9 +36,9 @@ void addPoint(const mrpt::poses::CPose3D& frame, const Point& p, Rays& rays) {
 void addPoints(const mrpt::poses::CPose3D& frame, const CPointsMap& points, Rays& rays) {
   rays.ends.reserve(points.size());
   for (size_t i = 0; i < points.size(); i++) {
-    mrpt::math::TPoint3Df p;
-    points.getPointFast(i, p.x, p.y, p.z);
-    addPoint(frame, p, rays);
+    float x = 0, y = 0, z = 0;
+    points.getPointFast(i, x, y, z);
+    addPoint(frame, x, y, z, rays);
   }
 }
 
@@ -62,9 +61,8 @@ std::optional<Rays> raysOf(const CObservation& obs, const mrpt::poses::CPose3D& 
       const size_t n = scan3d->points3D_x.size();
       rays.ends.reserve(n);
       for (size_t i = 0; i < n; i++) {
-        const mrpt::math::TPoint3Df p(scan3d->points3D_x[i], scan3d->points3D_y[i],
-                                      scan3d->points3D_z[i]);
-        if (p.x != 0 || p.y != 0 || p.z != 0) addPoint(sensor, p, rays);  // (0,0,0): no echo
+        const float x = scan3d->points3D_x[i], y = scan3d->points3D_y[i], z = scan3d->points3D_z[i];
+        if (x != 0 || y != 0 || z != 0) addPoint(sensor, x, y, z, rays);  // (0,0,0): no echo
       }
     } else if (scan3d->hasRangeImage) {
       CObservation3DRangeScan copy(*scan3d);  // unprojectInto() is not const
@@ -78,7 +76,7 @@ std::optional<Rays> raysOf(const CObservation& obs, const mrpt::poses::CPose3D& 
     const auto add = [&](const CObservationVelodyneScan::TPointCloud& cloud) {
       rays.ends.reserve(cloud.x.size());
       for (size_t i = 0; i < cloud.x.size(); i++)
-        addPoint(sensor, mrpt::math::TPoint3Df(cloud.x[i], cloud.y[i], cloud.z[i]), rays);
+        addPoint(sensor, cloud.x[i], cloud.y[i], cloud.z[i], rays);
     };
     if (velodyne->point_cloud.x.empty()) {
       CObservationVelodyneScan copy(*velodyne);  // generatePointCloud() is not const

@@ -58,6 +58,7 @@ std::vector<CObservationLocalMap::Ptr> loadLocalMaps(const std::string& path) {
 
 void saveLocalMaps(const std::vector<CObservationLocalMap::Ptr>& maps, const std::string& path) {
   std::vector<const CSerializable*> objects;
+  objects.reserve(maps.size());
   for (const auto& map : maps) objects.push_back(map.get());
   saveObjects(objects, path);
 }

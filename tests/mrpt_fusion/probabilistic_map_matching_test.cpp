@@ -42,10 +42,19 @@ struct Count {
   unsigned value;
 };
 
+struct Size {
+  std::string key;
+  size_t* field;
+  size_t value;
+};
+
 /** All numeric parameters, and a value for each. */
 std::vector<Number> numbersOf(Options& o) {
-  auto& match = o.match;
-  auto& e = match.edges;
+  auto& e = o.features.edges;
+  auto& r = o.registration;
+  auto& c = r.covariance;
+  auto& all = o.search.all_rotations;
+  auto& v = o.evaluation;
   return {{"normal_radius", &e.normal_radius, 0.31},
           {"cost_radius", &e.cost_radius, 0.72},
           {"min_normal_radius_voxels", &e.min_normal_radius_voxels, 3.5},
@@ -60,28 +69,62 @@ std::vector<Number> numbersOf(Options& o) {
           {"direction_radius", &e.direction_radius, 0.55},
           {"min_surface_variation", &e.min_surface_variation, 0.05},
           {"trace_window_deg", &e.trace_window, 45},
-          {"voxel_spacing", &match.features.voxel_spacing, 0.3},
-          {"edge_spacing", &match.features.edge_spacing, 0.5},
-          {"search_translation", &match.search.translation, 1.5},
-          {"search_height", &match.search.height, 0.4},
-          {"search_yaw_deg", &match.search.yaw, 33},
-          {"search_cell", &match.search.cell, 0.35},
-          {"k1", &match.weights.k1, 0.2},
-          {"k2", &match.weights.k2, 3},
-          {"edge_gate", &match.registration.edge_level.gate, 1.75},
-          {"edge_final_gate", &match.registration.edge_level.final_gate, 1.25},
-          {"voxel_gate", &match.registration.voxel_level.gate, 0.6},
-          {"voxel_final_gate", &match.registration.voxel_level.final_gate, 0.3},
-          {"flatness", &match.flatness, 0.02},
-          {"min_step_translation", &match.registration.min_step_translation, 2e-5},
-          {"min_step_rotation_deg", &match.registration.min_step_rotation, 0.003},
-          {"inlier_mahalanobis", &o.evaluation.inlier_mahalanobis, 0.25},
-          {"max_free_conflict", &o.evaluation.max_free_conflict, 0.4},
-          {"min_overlap", &o.evaluation.min_overlap, 0.05},
-          {"max_runner_up", &o.evaluation.max_runner_up, 0.6},
-          {"min_probability", &o.evaluation.min_probability, 0.7},
-          {"sure_probability", &o.evaluation.sure_probability, 0.9},
-          {"kl_threshold", &o.merge.kl_threshold, 0.123456}};
+          {"voxel_spacing", &o.features.voxel_spacing, 0.3},
+          {"edge_spacing", &o.features.edge_spacing, 0.5},
+          {"search_translation", &o.search.translation, 1.5},
+          {"search_height", &o.search.height, 0.4},
+          {"search_yaw_deg", &o.search.yaw, 33},
+          {"search_cell", &o.search.cell, 0.35},
+          {"k1", &r.weights.k1, 0.2},
+          {"k2", &r.weights.k2, 3},
+          {"edge_gate", &r.edge_level.gate, 1.75},
+          {"edge_final_gate", &r.edge_level.final_gate, 1.25},
+          {"voxel_gate", &r.voxel_level.gate, 0.6},
+          {"voxel_final_gate", &r.voxel_level.final_gate, 0.3},
+          {"flatness", &r.flatness, 0.02},
+          {"min_step_translation", &r.min_step_translation, 2e-5},
+          {"min_step_rotation_deg", &r.min_step_rotation, 0.003},
+          {"inlier_mahalanobis", &v.inlier_mahalanobis, 0.25},
+          {"max_free_conflict", &v.max_free_conflict, 0.4},
+          {"min_overlap", &v.min_overlap, 0.05},
+          {"max_runner_up", &v.max_runner_up, 0.6},
+          {"min_probability", &v.min_probability, 0.7},
+          {"sure_probability", &v.sure_probability, 0.9},
+          {"kl_threshold", &o.merge.kl_threshold, 0.123456},
+          {"trace_beside_deg", &e.trace_beside, 25},
+          {"search_conflict_weight", &o.search.conflict_weight, 7},
+          {"search_wall_share", &o.search.wall_share, 0.35},
+          {"search_floor_share", &o.search.floor_share, 0.5},
+          {"search_margin", &o.search.margin, 4},
+          {"search_distinct_yaw_deg", &o.search.distinct_yaw, 12},
+          {"search_small_work", &o.search.budget.small_work, 4e7},
+          {"search_max_work", &o.search.budget.max_work, 3e9},
+          {"search_max_cells", &o.search.budget.max_cells, 5e7},
+          {"rotations_alike_deg", &all.alike, 9},
+          {"rotations_apart_deg", &all.apart, 21},
+          {"rotations_upright_deg", &all.upright, 4},
+          {"rotations_min_share", &all.min_share, 0.03},
+          {"min_voxel_gate", &r.min_voxel_gate, 2.5},
+          {"gate_shrink", &r.gate_shrink, 0.7},
+          {"settled_step", &r.settled_step, 0.06},
+          {"held_gate", &c.held_gate, 2.5},
+          {"held_min_pull", &c.min_pull, 0.2},
+          {"covariance_patch", &c.patch_size, 5},
+          {"covariance_common_share", &c.common_share, 0.25},
+          {"ranking_min_rival_agreement", &o.ranking.min_rival_agreement, 0.1},
+          {"ranking_min_step_translation", &o.ranking.min_step_translation, 0.02},
+          {"ranking_min_step_rotation_deg", &o.ranking.min_step_rotation, 0.2},
+          {"ranking_moved_share", &o.ranking.moved_share, 0.5},
+          {"agreement_tolerance", &o.ranking.agreement.tolerance, 0.03},
+          {"agreement_other_side", &o.ranking.agreement.other_side, 0.1},
+          {"agreement_front_voxels", &o.ranking.agreement.front_voxels, 3},
+          {"threshold_without_overlap", &v.threshold_without_overlap, 0.85},
+          {"threshold_per_overlap", &v.threshold_per_overlap, 0.4},
+          {"min_threshold", &v.min_threshold, 0.55},
+          {"max_threshold", &v.max_threshold, 0.75},
+          {"held_probability", &v.held_probability, 0.9},
+          {"tolerance_translation", &v.tolerance.translation, 0.5},
+          {"tolerance_rotation_deg", &v.tolerance.rotation, 5}};
 }
 std::vector<Count> countsOf(Options& o) {
   return {{"outlier_neighbours", &o.features.edges.outlier_neighbours, 9},
@@ -89,7 +132,24 @@ std::vector<Count> countsOf(Options& o) {
           {"evaluation_voxels", &o.evaluation.voxels, 12345},
           {"search_hypotheses", &o.search.hypotheses, 5},
           {"edge_iterations", &o.registration.edge_level.max_iterations, 17},
-          {"voxel_iterations", &o.registration.voxel_level.max_iterations, 23}};
+          {"voxel_iterations", &o.registration.voxel_level.max_iterations, 23},
+          {"ranking_iterations", &o.ranking.max_iterations, 11},
+          {"search_everywhere_hypotheses", &o.search.budget.min_hypotheses_everywhere, 200}};
+}
+/** The parameters that count what may be many. */
+std::vector<Size> sizesOf(Options& o) {
+  auto& budget = o.search.budget;
+  return {{"search_kept_places", &budget.kept_places, 1000},
+          {"search_places_per_yaw", &budget.places_per_yaw, 100},
+          {"search_places_per_hypothesis", &budget.places_per_hypothesis, 20},
+          {"rotations_directions", &o.search.all_rotations.directions, 3},
+          {"first_pairs", &o.registration.first_pairs, 3000},
+          {"held_pairs", &o.registration.covariance.sample_pairs, 500},
+          {"ranking_few_voxels", &o.ranking.few_voxels, 200},
+          {"ranking_many_voxels", &o.ranking.many_voxels, 900},
+          {"ranking_max_starts", &o.ranking.max_starts, 20},
+          {"ranking_rival_voxels", &o.ranking.rival_voxels, 4000},
+          {"ranking_max_rivals", &o.ranking.max_rivals, 3}};
 }
 const std::set<std::string> kEnumerations = {"search_rotations", "voxel_metric", "voxel_covariance",
                                              "merge_policy"};
@@ -131,18 +191,23 @@ TEST(MapMatchingOptions, EachParameterComesBackFromAFile) {
     ASSERT_NE(*c.field, c.value) << c.key;
     *c.field = c.value;
   }
+  for (const auto& c : sizesOf(saved)) {
+    ASSERT_NE(*c.field, c.value) << c.key;
+    *c.field = c.value;
+  }
   saved.search.rotations = SearchRotations::All;
-  saved.voxel_metric = VoxelMetric::Point;
-  saved.voxel_covariance = VoxelCovariance::Quantisation;
+  saved.registration.voxel_metric = VoxelMetric::Point;
+  saved.registration.voxel_covariance = VoxelCovariance::Quantisation;
   saved.merge.policy = MergePolicy::Average;
 
   Options loaded;
   loaded.loadFromConfigFile(CConfigFileMemory(iniOf(saved)), "pmm");
   for (const auto& n : numbersOf(loaded)) EXPECT_NEAR(*n.field, n.value * unitOf(n), 1e-9) << n.key;
   for (const auto& c : countsOf(loaded)) EXPECT_EQ(*c.field, c.value) << c.key;
+  for (const auto& c : sizesOf(loaded)) EXPECT_EQ(*c.field, c.value) << c.key;
   EXPECT_EQ(loaded.search.rotations, SearchRotations::All);
-  EXPECT_EQ(loaded.voxel_metric, VoxelMetric::Point);
-  EXPECT_EQ(loaded.voxel_covariance, VoxelCovariance::Quantisation);
+  EXPECT_EQ(loaded.registration.voxel_metric, VoxelMetric::Point);
+  EXPECT_EQ(loaded.registration.voxel_covariance, VoxelCovariance::Quantisation);
   EXPECT_EQ(loaded.merge.policy, MergePolicy::Average);
 }
 
@@ -271,11 +336,10 @@ TEST_F(MapMatching, FindsWhatTheCoreFindsAndTellsHow) {
   CProbabilisticMapMatching::TReturnInfo info;
   const CPose3D guess = guessOffBy(0.3, 0.2, -4);
   const auto pdf = pmm.Align3D(&a, &b, guess, info);
-  const MatchResult r = matchMaps(maps().a, maps().b, toEigen(guess), pmm.options.match);
+  const MatchResult r = matchMaps(maps().a, maps().b, toEigen(guess), pmm.options);
   EXPECT_EQ(info.match.T_a_b.matrix(), r.T_a_b.matrix());
   EXPECT_TRUE(toEigen(gaussian(pdf).mean).isApprox(r.T_a_b, 1e-9));
   EXPECT_EQ(info.match.pairs.size(), r.pairs.size());
-  EXPECT_EQ(info.match.iterations.size(), r.iterations.size());
   EXPECT_EQ(info.match.iterations.size(), r.iterations.size());
   EXPECT_EQ(info.voxels_a, maps().a.voxels.size());
   EXPECT_EQ(info.voxels_b, maps().b.voxels.size());

@@ -37,7 +37,9 @@ class MRPT_FUSION_API CProbabilisticMapMatching : public CMetricMapsAlignmentAlg
   TConfigParams options;  ///< the defaults are those of share/mrpt_fusion/config_files/pmm.ini
 
   /** What an alignment tells beside the pose. */
-  struct TReturnInfo : public TMetricMapAlignmentResult, public mrpt::fusion::Alignment {};
+  struct TReturnInfo : public TMetricMapAlignmentResult, public mrpt::fusion::Alignment {
+    double seconds_features = 0;  ///< Wall time of preparing both maps, s
+  };
 
   /** SE(3).
    * \param[in] m1,m2 The maps A and B.
