@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# install_dependencies.sh [--benchmark]: installs the Debian 12 packages that building, testing and the
-# demo need, and with --benchmark those of the benchmark too. Does nothing, and needs no rights, when
-# they are all there.
+# install_dependencies.sh [--benchmark] [--ci]: installs the Debian 12 packages that building, testing and
+# the demo need. --benchmark adds what the benchmark needs, --ci adds clang and what its sanitizers,
+# fuzzers and linters need. Does nothing, and needs no rights, when they are all there.
 set -euo pipefail
 
 packages=(
@@ -16,9 +16,19 @@ packages=(
   doxygen                           # tests: every public symbol is documented
   xvfb xauth imagemagick libgl1-mesa-dri # tests: windows and pictures of them, without a screen
 )
-if [ "${1:-}" = --benchmark ]; then
-  packages+=(libpcl-dev libbenchmark-dev python3 python3-matplotlib python3-numpy)
-fi
+for argument in "$@"; do
+  case $argument in
+    --benchmark) packages+=(libpcl-dev libbenchmark-dev python3 python3-matplotlib python3-numpy) ;;
+    --ci)
+      packages+=(
+        clang libclang-rt-14-dev llvm # sanitizers, libFuzzer, names of functions in their reports
+        clang-format clang-tidy git python3
+        dpkg-dev                      # the source of TBB, which ThreadSanitizer needs
+      )
+      ;;
+    *) echo "install_dependencies.sh: no option $argument" >&2; exit 2 ;;
+  esac
+done
 
 missing=()
 for p in "${packages[@]}"; do
