@@ -134,6 +134,7 @@ std::vector<Count> countsOf(Options& o) {
           {"edge_iterations", &o.registration.edge_level.max_iterations, 17},
           {"voxel_iterations", &o.registration.voxel_level.max_iterations, 23},
           {"ranking_iterations", &o.ranking.max_iterations, 11},
+          {"search_distinct_cells", &o.search.distinct_cells, 4},
           {"search_everywhere_hypotheses", &o.search.budget.min_hypotheses_everywhere, 200}};
 }
 /** The parameters that count what may be many. */
@@ -142,6 +143,7 @@ std::vector<Size> sizesOf(Options& o) {
   return {{"search_kept_places", &budget.kept_places, 1000},
           {"search_places_per_yaw", &budget.places_per_yaw, 100},
           {"search_places_per_hypothesis", &budget.places_per_hypothesis, 20},
+          {"rotations_surfaces", &o.search.all_rotations.sample_surfaces, 1400},
           {"rotations_directions", &o.search.all_rotations.directions, 3},
           {"first_pairs", &o.registration.first_pairs, 3000},
           {"held_pairs", &o.registration.covariance.sample_pairs, 500},
@@ -176,6 +178,7 @@ TEST(MapMatchingOptions, SavesEachParameterUnderItsKey) {
   std::set<std::string> expected = kEnumerations;
   for (const auto& n : numbersOf(o)) expected.insert(n.key);
   for (const auto& c : countsOf(o)) expected.insert(c.key);
+  for (const auto& c : sizesOf(o)) expected.insert(c.key);
   std::vector<std::string> keys;
   CConfigFileMemory(iniOf(o)).getAllKeys("pmm", keys);
   EXPECT_EQ(std::set<std::string>(keys.begin(), keys.end()), expected);

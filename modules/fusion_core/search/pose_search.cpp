@@ -286,8 +286,8 @@ class PoseSearch {
   Near same(unsigned level) const { return {1, 1, stepsOfATurn(level)}; }
   /** Final places differ by more. */
   Near another() const {
-    return {params_.distinct_cells, static_cast<int>(params_.distinct_yaw / lattice_.yaw_step),
-            stepsOfATurn(0)};
+    return {static_cast<int>(params_.distinct_cells),
+            static_cast<int>(params_.distinct_yaw / lattice_.yaw_step), stepsOfATurn(0)};
   }
 
   std::vector<Place> exhaustive(const ScoreGrid& grid, unsigned level, const Points& points,

@@ -53,7 +53,7 @@ struct SearchParams {
   double wall_share = 0.25;     ///< Least share of the best wall alignment over the mean, of a yaw
   double floor_share = 0.6;     ///< Least share of the best floor alignment, of a height
   double margin = 5;            ///< Free space farther than this from all obstacles is ignored, m
-  int distinct_cells = 3;       ///< Hypotheses differ by more than these cells
+  unsigned distinct_cells = 3;  ///< Hypotheses differ by more than these cells
   double distinct_yaw = 0.17453292519943295;  ///< or by more than this, rad (10 deg)
   SearchBudget budget;                        ///< How much to compute
   AllRotationsParams all_rotations;           ///< Search without a common vertical
