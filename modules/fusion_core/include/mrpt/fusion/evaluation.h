@@ -63,7 +63,7 @@ struct RankingParams {
 
 /** What a match must be like to be accepted. */
 struct EvaluationParams {
-  size_t voxels =
+  unsigned voxels =
       15000;  ///< Voxels of each map that are asked, spread evenly; 0: all, as published
   double inlier_mahalanobis = 0.2;  ///< A pair below this distance (not squared) is an inlier
   double max_free_conflict = 0.10;  ///< Largest share of obstacles in the other map's free space
