@@ -17,7 +17,7 @@ constexpr size_t kGrain = 512;
 /** Calls f(begin, end) for pieces of [0, n), in parallel. f must compute each index independently
  * and write only data of its piece. The result then does not depend on the number of threads.
  * \param[in] n Number of indices.
- * \param[in] grain Largest number of indices in a piece that is not divided. The work of a piece
+ * \param[in] grain Number of indices up to which a piece is not divided. The work of a piece
  * must be large against the cost of scheduling. \param[in] f The function. */
 template <class F>
 void forEachRange(size_t n, size_t grain, F&& f) {
