@@ -18,7 +18,8 @@ constexpr size_t kGrain = 512;
  * and write only data of its piece. The result then does not depend on the number of threads.
  * \param[in] n Number of indices.
  * \param[in] grain Number of indices up to which a piece is not divided. The work of a piece
- * must be large against the cost of scheduling. \param[in] f The function. */
+ * must be large against the cost of scheduling.
+ * \param[in] f The function. */
 template <class F>
 void forEachRange(size_t n, size_t grain, F&& f) {
   tbb::parallel_for(tbb::blocked_range<size_t>(0, n, grain),

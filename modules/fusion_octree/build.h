@@ -44,9 +44,11 @@ struct OcTreeCube {
 };
 
 /** Returns the node of the i-th child cube of a node's cube, for traversals deeper than the octree.
- * A leaf counts as all cubes in it: for a leaf the function returns the leaf itself. \param[in]
- * tree The octree of the node. \param[in] node The node; null if its cube is unknown. \param[in] i
- * Number of the child in OctoMap's order. \return Null if the child's cube is unknown. */
+ * A leaf counts as all cubes in it: for a leaf the function returns the leaf itself.
+ * \param[in] tree The octree of the node.
+ * \param[in] node The node; null if its cube is unknown.
+ * \param[in] i Number of the child in OctoMap's order.
+ * \return Null if the child's cube is unknown. */
 inline const octomap::OcTreeNode* childOrSelf(const octomap::OcTree& tree,
                                               const octomap::OcTreeNode* node, unsigned i) {
   if (!node || !tree.nodeHasChildren(node)) return node;
@@ -69,8 +71,7 @@ struct OcTreeFill {
   static OcTreeFill split() { return {Kind::Split, 0}; }                     ///< Makes Kind::Split
 };
 
-/** Access to protected members of octomap::OcTree: the root and the log-odds of the sensor model.
- */
+/** Access to protected members of octomap::OcTree: root, and log-odds of the sensor model. */
 class OcTreeAccess : private octomap::OcTree {
  public:
   /** Creates the root node of an empty octree. */

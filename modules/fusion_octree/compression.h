@@ -16,9 +16,9 @@ namespace mrpt::fusion {
  *
  * Similar data is grouped before the compression (LZMA, with a checksum): first the masks of
  * children in pre-order, then the values of the leaves as indices into a table of the distinct
- * values. Inner nodes that hold the maximum of their children, as in OctoMap, need no data. Size:
- * about 3 bits per leaf. Time: 2 s for 1 million leaves. \exception std::length_error If the octree
- * has more than kMostCompressedNodes nodes. */
+ * values. Inner nodes that hold the maximum of their children, as in OctoMap, need no data.
+ * Size: about 3 bits per leaf. Time: 2 s for 1 million leaves.
+ * \exception std::length_error If the octree has more than kMostCompressedNodes nodes. */
 std::string compressNodes(const octomap::OcTree& tree);
 
 /** Inverts compressNodes(): fills the empty \a tree. For all input, kMostCompressedNodes bounds the

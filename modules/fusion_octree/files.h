@@ -22,9 +22,9 @@ bool isOcTreeFile(std::string_view bytes);
 
 /** Reads the contents of a `.ot` or a `.bt` file. A `.ot` file gives all log-odds and the structure
  * of the octree, bit for bit; of a ColorOcTree only the occupancy is read. A `.bt` file gives two
- * values: the default clamping thresholds. \exception std::runtime_error If the header is wrong,
- * the data is truncated, the number of nodes is wrong, nodes are deeper than 16, log-odds are not
- * finite, or the tree has another type.
+ * values: the default clamping thresholds.
+ * \exception std::runtime_error If the header is wrong, the data is truncated, the number of nodes
+ * is wrong, nodes are deeper than 16, log-odds are not finite, or the tree has another type.
  */
 std::unique_ptr<octomap::OcTree> parseOcTreeFile(std::string_view bytes);
 
@@ -36,7 +36,8 @@ std::string toOtFile(const octomap::OcTree& tree);
 std::string toBtFile(const octomap::OcTree& tree);
 
 /** Writes a `.bt` file if the path ends in `.bt`, otherwise a `.ot` file. It writes the whole file
- * or nothing. \exception std::runtime_error As writeFileAtomically(). */
+ * or nothing.
+ * \exception std::runtime_error As writeFileAtomically(). */
 void saveOcTree(const octomap::OcTree& tree, const std::string& path);
 
 /** Returns the nodes in pre-order, as in the data part of a `.ot` file. Each node has its log-odds

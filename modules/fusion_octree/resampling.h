@@ -30,8 +30,9 @@ namespace mrpt::fusion {
  * \param[in] T_dst_src Pose of the source's frame in the new frame, `p_dst = T_dst_src * p_src`.
  * \param[in] resolution Voxel size of the new grid, m.
  * \return A new pruned octree with the source's sensor model. Its log-odds are values of the
- * source, not clamped and not mixed. \exception std::invalid_argument If T_dst_src is not finite,
- * or if the resolution is not positive or more than 64 times the resolution of the source.
+ * source, not clamped and not mixed.
+ * \exception std::invalid_argument If T_dst_src is not finite, or if the resolution is not positive
+ * or more than 64 times the resolution of the source.
  * \exception std::out_of_range If the moved map leaves the new grid (2^15 voxels from its origin).
  *
  * Cost: proportional to the number of voxels at the *boundaries* between leaves of different

@@ -226,8 +226,7 @@ inline std::unique_ptr<octomap::OcTree> sceneTree(double resolution, unsigned se
   };
   for (int x = -18; x < 14; x++)
     for (int y = -16; y < 16; y++)
-      for (int z = -8; z < 8; z++)
-        putVoxel(*tree, {x, y, z}, -1.25F);  // pruning makes large leaves
+      for (int z = -8; z < 8; z++) putVoxel(*tree, {x, y, z}, -1.25F);  // pruned to large leaves
   for (int i = 0; i < 300; i++)
     putVoxel(*tree, {place(rng), place(rng), place(rng)}, value(-2, -0.1F));
   for (int y = -16; y < 10; y++)

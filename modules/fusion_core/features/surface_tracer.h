@@ -43,12 +43,10 @@ class SurfaceTracer {
 
  private:
   using Offset = VoxelBlocks::Offset;
-  static constexpr float kMaxStep =
-      2.3F;  ///< Largest step; crosses gaps of a sparsely seen surface
+  static constexpr float kMaxStep = 2.3F;      ///< Largest step, crosses gaps of the surface
   static constexpr float kMinStep = 0.5F;      ///< Least step in the slice
   static constexpr float kMinForward = -0.1F;  ///< Cosine of the sharpest turn in one step
-  static constexpr float kHalfSlice =
-      0.75F;  ///< Half thickness of a slice: it misses no voxel of a surface
+  static constexpr float kHalfSlice = 0.75F;   ///< Half thickness, misses no voxel of a surface
   static constexpr float kUnreachable = 1e9F;
 
   struct Spot {

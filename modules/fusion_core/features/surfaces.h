@@ -18,7 +18,7 @@ namespace mrpt::fusion {
 struct Plane {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // unit vector; zero: no plane
   float variation = 0;                               // surface variation, [0, 1/3]
-  float height = 0;  // height above the voxel's centre along the normal, voxels
+  float height = 0;  // height of the plane above the voxel's centre along the normal, voxels
 };
 /** Returns the plane through the occupied voxels in the \a ball around a voxel. */
 Plane surfaceAround(const VoxelBlocks& occupied, const VoxelBlocks::Ball& ball,

@@ -97,8 +97,7 @@ class KdTree {
   };
 
   /** nanoflann result set of the nearest point within the gate. Of points at equal distance it
-   * keeps the point with the lower index, so the result does not depend on the layout of the tree.
-   */
+   * keeps the lower index, so the result does not depend on the layout of the tree. */
   struct GatedResult {
     explicit GatedResult(float gate) : best(gate), worst(justAbove(gate)) {}
 

@@ -10,8 +10,8 @@
 namespace mrpt::fusion {
 namespace {
 
-/** Returns the indices of keys in the order of the octree. Returns nothing for keys that already
- * have this order, which is the usual case. */
+/** Returns the indices of keys in the order of the octree. The result is empty for keys that
+ * already have this order, which is the usual case. */
 std::vector<uint32_t> inOctreeOrder(const std::vector<octomap::OcTreeKey>& keys) {
   std::vector<uint32_t> index;
   uint64_t last = 0;

@@ -183,8 +183,7 @@ class VoxelBlocks {
  private:
   static constexpr uint32_t kNone = ~uint32_t{0};
 
-  /** Mask of the existing cells of 64. Their contents are consecutive, in the order of the cells.
-   */
+  /** Mask of the existing cells of 64. Their contents are consecutive, in this order. */
   struct Cells {
     uint64_t mask = 0;
     uint32_t first = kNone;

@@ -15,7 +15,7 @@ constexpr double kKeys = 65536;  // number of keys along an axis
 constexpr double kRounding = 1e-2;
 
 /** Largest difference between the length of a cell's offset and the distance of a point in the
- * cell, cells. \param[in] off_centre Largest distance of a point from the centre of its cell,
+ * cell, cells. \a off_centre is the largest distance of a point from the centre of its cell,
  * cells. */
 double slackOf(double off_centre) { return std::sqrt(0.75) + off_centre + kRounding; }
 }  // namespace
@@ -99,8 +99,7 @@ void VoxelSearch::prepare(double gate) {
   // A fine grid has too many empty cells within a wide gate.
   constexpr double kMostCells = 12;
   if (gate > kMostCells * cell_) build(gate / kMostCells);
-  constexpr double kGrowth =
-      1.75;  // the second ball reaches 2 cells, the least gate of voxel pairs
+  constexpr double kGrowth = 1.75;  // so the second ball reaches the least gate, 2 cells
   const double radius = gate / cell_ + kBeyond + slack_;
   if (!rings_.empty() && prepared_ >= radius) return;
   while (rings_.empty() || prepared_ < radius) {

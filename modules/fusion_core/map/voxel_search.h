@@ -104,9 +104,8 @@ class VoxelSearch {
   static constexpr float kFarthestPlace = 1e6F;  // cells; the grid has 2^16 along an axis
 
   struct Ring {
-    VoxelBlocks::Ball
-        ball;    ///< Whole ball of the first ring; without the first ball in other rings
-    float sure;  ///< Squared distance below which all points lie in the ball, m^2
+    VoxelBlocks::Ball ball;  ///< Cells of the ring; the first ring is a whole ball
+    float sure;              ///< Squared distance below which all points lie in the ball, m^2
   };
   static int floorOf(float x) {
     const int i = static_cast<int>(x);

@@ -58,8 +58,7 @@ class VoxelAssociation {
   /** \param[in] a Voxels of A. Not owned; must outlive the association. */
   explicit VoxelAssociation(const OccupiedVoxels& a);
   /** \overload
-   * Uses an existing index \a blocks of A's keys. It is not owned and must outlive the association.
-   */
+   * Uses an existing index \a blocks of A's keys. Not owned; must outlive the association. */
   VoxelAssociation(const OccupiedVoxels& a, const VoxelBlocks& blocks);
   ~VoxelAssociation();
   VoxelAssociation(VoxelAssociation&&) noexcept;  ///< Leaves the source fit only for destruction
@@ -70,7 +69,7 @@ class VoxelAssociation {
   /** Result of the last search for a voxel of B. */
   struct Partner {
     uint32_t a = ~uint32_t{0};  ///< Index of the partner; largest number: none
-    float others = -1;          ///< Lower bound on the distance to other voxels of A, m
+    float others = -1;          ///< Lower bound on the distance from place to other voxels, m
     Eigen::Vector3f place = Eigen::Vector3f::Zero();  ///< Place of the search, m, A's frame
   };
   using Partners = std::vector<Partner>;  ///< Partner of each voxel of B; empty at first

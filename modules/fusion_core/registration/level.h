@@ -48,7 +48,8 @@ class LevelProblem : public Pairing {
 };
 
 /** Returns the pairs at a pose without earlier pairs. The weights need an MSE. It is computed from
- * the nearest neighbours of some voxels, by distance only. \param[in] pairing The pairing.
+ * the nearest neighbours of some voxels, by distance only.
+ * \param[in] pairing The pairing.
  * \param[in] T_a_b Pose of map B in A's frame.
  * \param[in] gate Largest descriptor distance, m.
  * \param[in] enough Largest number of voxels for the MSE.

@@ -23,8 +23,7 @@ struct NormalEquations {
 };
 
 /** Scatter of the gradients of patches. A patch is a cube of B. Errors of maps affect a whole piece
- * of wall (drift, a door ajar): the pairs of a patch are not independent, but patches nearly are.
- */
+ * of wall (drift, a door ajar): the pairs of a patch are dependent, patches nearly independent. */
 struct GradientScatter {
   Matrix6d S = Matrix6d::Zero();  ///< Sum of g g' over the patches, about the centre of H
   size_t patches = 0;             ///< Number of patches

@@ -23,8 +23,8 @@ PoseDeviation deviationAt(const Matrix6d& covariance, const Eigen::Vector3d& poi
  * It is the sum of two terms. The first term is s^2 H^-1 with the residual variance
  * s^2 = error / (3 pairs - 6). The second term is H^-1 S H^-1, for the errors that the pairs of a
  * patch have in common (the sandwich estimator of clustered data, e.g. Cameron and Miller 2015).
- * With few patches the scatter S is noisy. It is shrunk towards a multiple of H^-1 with weight 6 /
- * (6 + n), n = number of patches. Directions without information get \a unknown_variance.
+ * With few patches the scatter S is noisy. It is shrunk towards a multiple of H^-1 with weight
+ * 6 / (6 + n), n = number of patches. Directions without information get \a unknown_variance.
  * \param[in] at_optimum Normal equations at the optimum.
  * \param[in] pairs Number of pairs.
  * \param[in] scatter Scatter of the patches' gradients.

@@ -142,8 +142,8 @@ double occupancyFactor(const OccupiedVoxels& a, const OccupiedVoxels& b, const P
  * n is a unit vector or zero. Index m is the surface of A, index s is the surface of B.
  *
  * The inverse has a closed form. With k = 1 - flatness and c = n_m . n_s, the sum has the
- * eigenvectors n_m + n_s, n_m - n_s and the vectors normal to both. The eigenvalues are 2 - k (1 +
- * c), 2 - k (1 - c) and 2. */
+ * eigenvectors n_m + n_s, n_m - n_s and the vectors normal to both. The eigenvalues are
+ * 2 - k (1 + c), 2 - k (1 - c) and 2. */
 class SurfaceWeight {
  public:
   SurfaceWeight(const Eigen::Vector3d& n_m, const Eigen::Vector3d& n_s, double flatness,

@@ -16,15 +16,18 @@
 
 namespace mrpt::fusion {
 
-/** Returns exp of a twist. The first 3 elements are the translation part (the translation is V
- * xi_t), the last 3 are the rotation vector, rad. */
+/** Returns exp of a twist. The first 3 elements are the translation part (the translation is
+ * V xi_t), the last 3 are the rotation vector, rad. */
 Eigen::Isometry3d expSE3(const Vector6d& xi);
 
 /** Minimises an error by Levenberg-Marquardt on SE(3). Directions that the pairs do not constrain
  * do not change. Cost per step: one error, and one linearisation unless the previous step was
- * rejected. \param[in] T Start. \param[in] params Settings of the solver. \param[in] linearize (T
- * -> NormalEquations) The linearisation. \param[in] errorAt (T -> double) The error. \return The
- * pose. Its error is never larger than the error at \a T. */
+ * rejected.
+ * \param[in] T Start.
+ * \param[in] params Settings of the solver.
+ * \param[in] linearize The linearisation: (T) -> NormalEquations.
+ * \param[in] errorAt The error: (T) -> double.
+ * \return The pose. Its error is never larger than the error at \a T. */
 template <class Linearize, class ErrorAt>
 Eigen::Isometry3d optimizePose(Eigen::Isometry3d T, const SolverParams& params,
                                Linearize&& linearize, ErrorAt&& errorAt);

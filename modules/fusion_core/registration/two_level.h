@@ -10,8 +10,7 @@
 #include "fusion_core/registration/level.h"
 
 /** \file
- * The paper's Sec. IV-A: two-level probabilistic map matching (PMM): edge level, then voxel level.
- */
+ * The paper's Sec. IV-A: two-level probabilistic map matching (PMM), edges, then voxels. */
 
 namespace mrpt::fusion {
 

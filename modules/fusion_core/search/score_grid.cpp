@@ -37,7 +37,7 @@ ScoreGrid ScoreGrid::coarser() const {
     c.size_[axis] = ((low_[axis] + size_[axis] - 1) >> 1) + 1 - c.low_[axis];
   }
   c.values_.assign(c.cells() + kLanes,
-                   kFree);  // unknown outermost cells of the finer grid make theirs unknown
+                   kFree);  // the outermost cells become unknown by the unknown finer cells
   for (int z = 0; z < size_[2]; z++)
     for (int y = 0; y < size_[1]; y++)
       for (int x = 0; x < size_[0]; x++) {

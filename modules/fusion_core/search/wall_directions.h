@@ -17,8 +17,7 @@
 
 namespace mrpt::fusion {
 
-/** Alignment of the walls of two maps as a function of the yaw, from the headings of the normals.
- */
+/** Alignment of the walls of two maps over the yaw, from the headings of the normals. */
 class WallDirections {
  public:
   WallDirections(const std::vector<Eigen::Vector3f>& a, const std::vector<Eigen::Vector3f>& b,

@@ -31,8 +31,7 @@ Obstacles obstaclesOf(const MapVoxels& map, const SurfaceVoxels& voxels,
  *
  * The right pose has few conflicts (0 to 7 % on all our maps). A wrong pose may have a larger
  * overlap. An obstacle has weight 1 if both maps see it from the same side, otherwise
- * AgreementParams::other_side: a floor on a ceiling, or two rooms back to back, have no conflicts.
- */
+ * AgreementParams::other_side: a floor on a ceiling, and rooms back to back, have no conflicts. */
 double agreement(const MapVoxels& a, const Obstacles& of_a, const MapVoxels& b,
                  const Obstacles& of_b, const Eigen::Isometry3d& T_a_b,
                  const AgreementParams& params = {});

@@ -34,8 +34,7 @@ std::string percent(double ratio) {
   return text;
 }
 
-/** Returns the number of voxels of \a size that contain a map's occupied voxels. Cost: O(n log n).
- */
+/** Returns the number of voxels of \a size that hold a map's occupied voxels. Cost: O(n log n). */
 size_t countInVoxelsOf(double size, const OccupiedVoxels& voxels) {
   std::vector<std::array<int, 3>> taken(voxels.size());
   std::transform(voxels.centre.begin(), voxels.centre.end(), taken.begin(), [&](const auto& p) {

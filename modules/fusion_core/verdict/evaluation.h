@@ -33,9 +33,12 @@ FreeSpaceCheck checkFreeSpace(const MapVoxels& a, const OccupiedVoxels& b,
 
 /** Computes the verdict from eqs. (23)-(25) on the pairs of a match, and from evidence that these
  * equations ignore. A wrong pose can lay floors on floors, but it puts walls into the other map's
- * free space. \param[in] a,b The maps A and B. \param[in] pairs Pairs at T_a_b of params.voxels
- * voxels of B, gated as in registration. \param[in] T_a_b Pose of map B in A's frame. \param[in]
- * params Conditions of an accepted match. \param[in] runner_up See MatchResult::runnerUp().
+ * free space.
+ * \param[in] a,b The maps A and B.
+ * \param[in] pairs Pairs at T_a_b of params.voxels voxels of B, gated as in registration.
+ * \param[in] T_a_b Pose of map B in A's frame.
+ * \param[in] params Conditions of an accepted match.
+ * \param[in] runner_up See MatchResult::runnerUp().
  * \param[in] deviation Standard deviations of the pose. They are large if the match can slide, for
  * example along a corridor without features. */
 Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pairs,

@@ -52,8 +52,7 @@ enum class VoxelCovariance {
   Quantisation  ///< p^-1 times the variance of a uniform position in a voxel, d_m^2 / 12
 };
 
-/** Eq. (6): eigen-decomposition of the spatial covariance of the edge voxels around an edge voxel.
- */
+/** Eq. (6): eigen-decomposition of the covariance of the edge voxels around an edge voxel. */
 struct MRPT_FUSION_API EdgeCovariance {
   Eigen::Vector3d eigenvalues = Eigen::Vector3d::Zero();       ///< Eigenvalues, ascending, m^2
   Eigen::Matrix3d eigenvectors = Eigen::Matrix3d::Identity();  ///< Eigenvectors, as columns

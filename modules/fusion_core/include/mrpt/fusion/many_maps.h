@@ -25,10 +25,9 @@ struct RobotMap {
 
 /** The result for one robot's map. */
 struct FusionMember {
-  std::string robot;    ///< Name of the robot
-  bool joined = false;  ///< True if the map is part of the fused map
-  mrpt::poses::CPose3DPDFGaussian
-      pose;                  ///< Pose of the map in the frame of the fused map, if known
+  std::string robot;                     ///< Name of the robot
+  bool joined = false;                   ///< True if the map is part of the fused map
+  mrpt::poses::CPose3DPDFGaussian pose;  ///< Pose in the frame of the fused map, if known
   std::string matched_with;  ///< Robot whose map is A of the alignment; empty for the first map
   Alignment alignment;       ///< Best match; the pose is in the frame of \a matched_with
 

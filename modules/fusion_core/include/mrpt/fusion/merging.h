@@ -14,12 +14,12 @@
 
 namespace mrpt::fusion {
 
-/** Rule for the value of a voxel that both maps know. */
+/** Rule for the value of a voxel that is known in both maps. */
 enum class MergePolicy {
   RelativeEntropy,  ///< The paper's filter, eqs. (26)-(28): weighted mean up to the KL threshold,
                     ///< otherwise the higher probability
   Average,          ///< Mean of the probabilities (a baseline of the paper)
-  Stitch,           ///< Value of map A; B only fills space that A does not know (a baseline of
+  Stitch,           ///< Value of map A; B only fills space that is unknown in A (a baseline of
                     ///< the paper)
   Bayes  ///< Sum of the log-odds: the observations of both maps count as independent (the default:
          ///< nearest to the truth, see doc/benchmarks.md)
@@ -30,7 +30,7 @@ MRPT_FUSION_API const std::vector<std::pair<MergePolicy, const char*>>& mergePol
 
 /** Settings of mergeMaps(). */
 struct MergeParams {
-  MergePolicy policy = MergePolicy::Bayes;  ///< Rule for voxels that both maps know
+  MergePolicy policy = MergePolicy::Bayes;  ///< Rule for voxels known in both maps
   double kl_threshold = 0.1;  ///< Largest relativeEntropy() for the mean, nats (Table I)
 };
 
@@ -42,7 +42,7 @@ MRPT_FUSION_API double relativeEntropy(double p, double q);
  * unweighted mean. */
 MRPT_FUSION_API double weightedMean(double p, double q);
 
-/** Returns the fused value of a voxel that both maps know.
+/** Returns the fused value of a voxel that is known in both maps.
  * \param[in] a,b Log-odds in map A and map B.
  * \param[in] params The policy.
  * \param[in] clamp_min,clamp_max Clamping thresholds of the result, log-odds.
@@ -53,14 +53,14 @@ MRPT_FUSION_API float fuseLogOdds(float a, float b, const MergeParams& params, f
 
 /** Merges occupied, free and unknown space of two maps.
  *
- * transformOcTree() resamples map B onto map A's grid. If only one map knows a place, the result
- * has the value of that map. If no map knows a place, the place stays unknown.
+ * transformOcTree() resamples map B onto map A's grid. A place that is known in only one
+ * map has the value of that map. A place that is unknown in both maps stays unknown.
+ * Cost: transformOcTree() plus one traversal of both octrees.
  * \param[in] a,b The maps.
  * \param[in] T_a_b Pose of map B in A's frame.
  * \param[in] params The policy.
  * \return A new pruned octree in A's frame, with A's resolution and sensor model.
  * \exception std::invalid_argument, std::out_of_range As transformOcTree().
- * Cost: transformOcTree() plus one traversal of both octrees.
  */
 MRPT_FUSION_API std::unique_ptr<octomap::OcTree> mergeMaps(const octomap::OcTree& a,
                                                            const octomap::OcTree& b,

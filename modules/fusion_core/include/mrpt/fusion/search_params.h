@@ -55,10 +55,9 @@ struct SearchParams {
   double floor_share = 0.6;     ///< Least floor alignment of a height over the best
   double margin = 5;            ///< Largest distance of used free space from obstacles, m
   unsigned distinct_cells = 3;  ///< Largest distance of equal hypotheses, cells
-  double distinct_yaw =
-      0.17453292519943295;           ///< Largest yaw between equal hypotheses, rad (10 deg)
-  SearchBudget budget;               ///< Limits of the cost
-  AllRotationsParams all_rotations;  ///< Settings of the search without a common vertical
+  double distinct_yaw = 0.17453292519943295;  ///< Largest yaw of equal hypotheses, rad (10 deg)
+  SearchBudget budget;                        ///< Limits of the cost
+  AllRotationsParams all_rotations;           ///< Settings of the search without a common vertical
 
   /** True if the search has no bounds. */
   bool isEverywhere() const { return std::isinf(translation); }
