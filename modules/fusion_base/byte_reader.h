@@ -14,8 +14,7 @@ namespace mrpt::fusion {
 /** Throws std::runtime_error with the message \a why. */
 [[noreturn]] inline void corrupt(const std::string& why) { throw std::runtime_error(why); }
 
-/** Reads values from the front of a byte range. Throws std::runtime_error at the end of the range.
- */
+/** Reads values from the front of a byte range. Throws std::runtime_error at its end. */
 class ByteReader {
  public:
   explicit ByteReader(std::string_view bytes) : bytes_(bytes) {}

@@ -26,8 +26,7 @@ using ByteSink = std::function<void(std::string_view)>;
 /** Writes a whole file, or changes nothing. The bytes go to a temporary file beside \a path, which
  * is flushed and then renamed. If \a path is a link, the temporary file is beside the target of the
  * link. A device or a pipe is written in place.
- * \exception std::runtime_error With the reason of the system (full disk, no such directory...).
- */
+ * \exception std::runtime_error With the reason of the system (full disk, missing directory...). */
 void writeFileAtomically(const std::string& path, std::string_view bytes);
 
 /** \overload

@@ -80,8 +80,7 @@ Parameter choice(const char* key, E& field, const Names<E>& names, const std::st
 Parameter advanced(Parameter p);
 
 /** Loads the parameters in a section. Missing keys keep their values.
- * \exception std::exception If a value is out of range, or a key in the section is not a parameter.
- */
+ * \exception std::exception If a value is out of range, or a key of the section is no parameter. */
 void loadParameters(const Parameters& parameters, const mrpt::config::CConfigFileBase& source,
                     const std::string& section);
 

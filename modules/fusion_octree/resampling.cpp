@@ -48,8 +48,7 @@ struct Box {
 class ResamplingVisitor {
  public:
   /** The pieces that overlap a cube: a few pieces of about its size. They are a range at the top of
-   * a stack that all states share. States are created and destroyed in the order of the recursion.
-   */
+   * a stack that all states share. States live in the order of the recursion. */
   class State {
    public:
     explicit State(std::vector<Piece>& stack)

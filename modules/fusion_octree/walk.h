@@ -17,8 +17,7 @@
 
 namespace mrpt::fusion {
 
-/** Returns the key of the i-th of all finest voxels in the octree's order, x fastest at each depth.
- */
+/** Returns the key of the i-th of all finest voxels, in the octree's order (x fastest). */
 inline octomap::OcTreeKey keyInOctreeOrder(uint64_t i) {
   octomap::OcTreeKey key(0, 0, 0);
   for (unsigned bit = 0; i >> (3 * bit); bit++)

@@ -77,8 +77,7 @@ inline std::vector<NodeRecord> leavesOf(const octomap::OcTree& tree) {
   return nodes;
 }
 
-/** Compares nodes. The message names the first node that differs and does not print both octrees.
- */
+/** Compares nodes. The message names the first node that differs. */
 inline testing::AssertionResult sameNodes(const std::vector<NodeRecord>& a,
                                           const std::vector<NodeRecord>& b) {
   for (size_t i = 0; i < std::min(a.size(), b.size()); i++)
