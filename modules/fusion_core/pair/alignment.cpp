@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * From two prepared maps to a pose and a verdict. */
+ * Aligns two prepared maps, and evaluates given poses. */
 #include <mrpt/core/exceptions.h>
 #include <mrpt/fusion/alignment.h>
 #include <mrpt/system/CTicTac.h>
@@ -44,7 +44,7 @@ mrpt::poses::CPose3DPDFGaussian Alignment::pose() const {
 mrpt::poses::CPose3DPDFSOG Alignment::hypotheses() const {
   std::vector<RankedPose> possible = match.hypotheses;
   while (!possible.empty() && possible.back().agreement <= 0)
-    possible.pop_back();  // no weight can be zero
+    possible.pop_back();  // the logarithm needs a positive agreement
   mrpt::poses::CPose3DPDFSOG modes(possible.size());
   std::transform(possible.begin(), possible.end(), modes.begin(), [](const RankedPose& h) {
     mrpt::poses::CPose3DPDFSOG::TGaussianMode mode;
