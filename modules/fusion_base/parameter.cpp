@@ -28,6 +28,7 @@ Parameter numeric(const char* key, T& field, double min, double max, const char*
   p.value = [&field] { return static_cast<double>(field); };
   p.text = [=, &field] {
     const auto value = static_cast<double>(field);
+    if (kind == NumberKind::Whole) return mrpt::format("%.0f", value);
     // To the six digits that people write: 80 deg is not 79.99999999999999.
     return mrpt::format("%g", is_degrees ? value * 180 / M_PI : value);
   };

@@ -25,7 +25,7 @@ struct Parameter {
   /** Reads the value at the key, if there is one. \exception std::exception On a value out of
    * range, naming section and key. */
   std::function<void(const mrpt::config::CConfigFileBase& source, const std::string& section)> load;
-  std::function<std::string()> text;  ///< Value as written to a file, in six digits
+  std::function<std::string()> text;  ///< Value as written to a file; fractions in six digits
   std::function<double()> value;      ///< Value in the field; of a named value, its index
   std::string key;                    ///< Name in files; ends in `_deg` if the file has degrees
   std::string comment;                ///< Meaning and unit, one line

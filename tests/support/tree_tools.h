@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
-#include <stdlib.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -11,7 +10,6 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <map>
@@ -25,10 +23,11 @@
 
 #include "fusion_octree/build.h"
 #include "fusion_octree/files.h"
+#include "support/file_tools.h"
 
 /** \file
- * What several test files need: octrees of every shape, ways to look at them that do not go through
- * the code under test, and a place for files.
+ * What several test files need: octrees of every shape, and ways to look at them that do not go
+ * through the code under test.
  */
 
 namespace map_tests {
@@ -245,35 +244,7 @@ inline std::unique_ptr<octomap::OcTree> sceneTree(double resolution, unsigned se
   return tree;
 }
 
-// ---------------------------------------------------------------- files
-
-/** A directory of a test's own, gone with it. */
-class TempDir {
- public:
-  TempDir() {
-    std::string pattern = std::filesystem::path(testing::TempDir()) / "mrpt_fusion_maps_XXXXXX";
-    if (!::mkdtemp(pattern.data())) throw std::runtime_error("no temporary directory");
-    path_ = pattern;
-  }
-  ~TempDir() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TempDir(const TempDir&) = delete;
-  TempDir& operator=(const TempDir&) = delete;
-
-  std::string path(const std::string& name) const { return (path_ / name).string(); }
-  std::vector<std::string> files() const {
-    std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(path_))
-      names.push_back(entry.path().filename().string());
-    std::sort(names.begin(), names.end());
-    return names;
-  }
-
- private:
-  std::filesystem::path path_;
-};
+// ---------------------------------------------------------------- memory
 
 /** While it lives, the process gets no more than so much more memory: what asks for more is given
  * std::bad_alloc, instead of all that the machine has. */
@@ -294,25 +265,5 @@ class MemoryLimit {
  private:
   rlimit old_{};
 };
-
-/** Writes and reads a file with nothing of the project in between. */
-inline void writeRaw(const std::string& path, std::string_view bytes) {
-  std::ofstream(path, std::ios::binary) << bytes;
-}
-inline std::string readRaw(const std::string& path) {
-  std::ifstream f(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(f), std::istreambuf_iterator<char>()};
-}
-
-/** What a call's exception says; empty if there is none. */
-template <class F>
-std::string errorOf(F&& f) {
-  try {
-    f();
-  } catch (const std::exception& e) {
-    return e.what();
-  }
-  return {};
-}
 
 }  // namespace map_tests
