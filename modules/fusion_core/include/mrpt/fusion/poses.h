@@ -37,9 +37,9 @@ class MRPT_FUSION_API Prior {
   static Prior none();
   /** A guess of unknown quality: the search goes as far as the options say. */
   static Prior near(const mrpt::poses::CPose3D& guess);
-  /** A guess and how good it is: the search goes kSearchSigmas standard deviations far in position
-  XX
-   * \exception std::exception If the covariance is not finite or has a negative variance. */
+  /** A guess and how good it is: the search goes kSearchSigmas standard deviations far in position,
+   * height and yaw; everywhere if that is kUnknownPoseSigma or more; as near() if the covariance is
+   * zero. \exception std::exception If the covariance is not finite or has a negative variance. */
   static Prior gaussian(const mrpt::poses::CPose3DPDFGaussian& guess);
   /** As gaussian(), for a program that keeps its guesses as MRPT's Gaussians. */
   Prior(const mrpt::poses::CPose3DPDFGaussian& guess)  // NOLINT(google-explicit-constructor)
