@@ -29,7 +29,8 @@ Parameter numeric(const char* key, T& field, double min, double max, const char*
   p.value = [&field] { return static_cast<double>(field); };
   p.text = [=, &field] {
     const auto value = static_cast<double>(field);
-    // 6 digits: 80 deg must not become 79.99999999999999.
+    if (kind == NumberKind::Whole) return mrpt::format("%.0f", value);
+    // Six digits: 80 deg must not become 79.99999999999999.
     return mrpt::format("%g", is_degrees ? value * 180 / M_PI : value);
   };
   return p;

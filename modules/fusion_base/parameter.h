@@ -25,8 +25,8 @@ struct Parameter {
   /** Function that reads the value at the key, if the key exists. It throws std::exception with
    * section and key if the value is out of range. */
   std::function<void(const mrpt::config::CConfigFileBase& source, const std::string& section)> load;
-  std::function<std::string()> text;  ///< Value as text in a file, 6 digits
-  std::function<double()> value;      ///< Value of the field; index of a named value
+  std::function<std::string()> text;  ///< Value as written to a file; fractions in six digits
+  std::function<double()> value;      ///< Value in the field; of a named value, its index
   std::string key;                    ///< Name in files; ends in `_deg` if the file has degrees
   std::string comment;                ///< Meaning and unit, one line
   bool is_advanced = false;           ///< True if few users need it

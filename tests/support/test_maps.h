@@ -95,7 +95,14 @@ class MapWriter {
   Cell low_{-32768, -32768, -32768}, high_{32767, 32767, 32767};
 };
 
-/** Returns occupied voxels without an octree. */
+/** A map of one leaf, at the root: 2^48 voxels. */
+inline std::unique_ptr<octomap::OcTree> rootLeaf(float log_odds) {
+  auto tree = std::make_unique<octomap::OcTree>(0.1);
+  mrpt::fusion::OcTreeAccess::createRoot(*tree)->setLogOdds(log_odds);
+  return tree;
+}
+
+/** Occupied voxels without an octree. */
 inline OccupiedVoxels voxelsAt(const std::vector<Cell>& cells, double resolution,
                                float probability = 0.9F) {
   OccupiedVoxels v;

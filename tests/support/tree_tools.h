@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
-#include <stdlib.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -11,7 +10,6 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <map>
@@ -25,9 +23,11 @@
 
 #include "fusion_octree/build.h"
 #include "fusion_octree/files.h"
+#include "support/file_tools.h"
 
 /** \file
- * Octrees of different shapes, their inspection without the code under test, and temporary files.
+ * What several test files need: octrees of every shape, and ways to look at them that do not go
+ * through the code under test.
  */
 
 namespace map_tests {
@@ -244,35 +244,7 @@ inline std::unique_ptr<octomap::OcTree> sceneTree(double resolution, unsigned se
   return tree;
 }
 
-// ---------------------------------------------------------------- files
-
-/** Temporary directory of a test. The destructor deletes it. */
-class TempDir {
- public:
-  TempDir() {
-    std::string pattern = std::filesystem::path(testing::TempDir()) / "mrpt_fusion_maps_XXXXXX";
-    if (!::mkdtemp(pattern.data())) throw std::runtime_error("no temporary directory");
-    path_ = pattern;
-  }
-  ~TempDir() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TempDir(const TempDir&) = delete;
-  TempDir& operator=(const TempDir&) = delete;
-
-  std::string path(const std::string& name) const { return (path_ / name).string(); }
-  std::vector<std::string> files() const {
-    std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(path_))
-      names.push_back(entry.path().filename().string());
-    std::sort(names.begin(), names.end());
-    return names;
-  }
-
- private:
-  std::filesystem::path path_;
-};
+// ---------------------------------------------------------------- memory
 
 /** Limits the memory of the process while the object exists. Larger allocations throw
  * std::bad_alloc. */
@@ -293,25 +265,5 @@ class MemoryLimit {
  private:
   rlimit old_{};
 };
-
-/** Writes a file without the project's code. readRaw() reads it. */
-inline void writeRaw(const std::string& path, std::string_view bytes) {
-  std::ofstream(path, std::ios::binary) << bytes;
-}
-inline std::string readRaw(const std::string& path) {
-  std::ifstream f(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(f), std::istreambuf_iterator<char>()};
-}
-
-/** Returns the message of a call's exception; empty without an exception. */
-template <class F>
-std::string errorOf(F&& f) {
-  try {
-    f();
-  } catch (const std::exception& e) {
-    return e.what();
-  }
-  return {};
-}
 
 }  // namespace map_tests

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
-#include <mrpt/fusion/statistics.h>
 #include <mrpt/fusion/voxels.h>
 
 #include <cmath>
@@ -24,13 +23,6 @@ std::map<Key, float> byKey(const OccupiedVoxels& v) {
   for (size_t i = 0; i < v.size(); i++)
     m[{v.key[i][0], v.key[i][1], v.key[i][2]}] = v.probability[i];
   return m;
-}
-
-/** A map of one leaf, at the root. */
-std::unique_ptr<octomap::OcTree> rootLeaf(float log_odds) {
-  auto tree = std::make_unique<octomap::OcTree>(0.1);
-  mrpt::fusion::OcTreeAccess::createRoot(*tree)->setLogOdds(log_odds);
-  return tree;
 }
 
 TEST(ExtractOccupiedVoxels, GivesCentreKeyAndProbabilityOfEach) {
@@ -117,7 +109,7 @@ TEST(ExtractOccupiedVoxels, RefusesAHugeLeafBeforeTakingMemoryForIt) {
   EXPECT_EQ(extractOccupiedVoxels(*rootLeaf(kFree)).size(), 0);
 }
 
-// ---------------------------------------------------------------- entropy and statistics
+// ---------------------------------------------------------------- known space
 
 TEST(KnownSpace, IsTheBoxOfAllLeavesAsOctomapHasIt) {
   const auto map =
@@ -131,41 +123,6 @@ TEST(KnownSpace, IsTheBoxOfAllLeavesAsOctomapHasIt) {
   EXPECT_NEAR(known.min().x(), -0.6, 1e-9);
   EXPECT_DOUBLE_EQ(mrpt::fusion::knownSpace(*rootLeaf(kFree)).max().z(), 0.1 * 32768);
   EXPECT_TRUE(mrpt::fusion::knownSpace(octomap::OcTree(0.1)).isEmpty());
-}
-
-TEST(BinaryEntropy, ByHand) {
-  EXPECT_DOUBLE_EQ(binaryEntropy(0.5), std::log(2.0));
-  EXPECT_NEAR(binaryEntropy(0.9), 0.325083, 1e-6);
-  EXPECT_DOUBLE_EQ(binaryEntropy(0.9), binaryEntropy(1 - 0.9));
-  EXPECT_EQ(binaryEntropy(0), 0);
-  EXPECT_EQ(binaryEntropy(1), 0);
-}
-
-TEST(MapStatistics, CountsPrunedLeavesAsTheVoxelsTheyStandFor) {
-  const float nine_tenths = std::log(9.F);
-  const auto map = MapWriter()
-                       .box({0, 0, 0}, {1, 1, 1}, nine_tenths)   // one leaf, 8 voxels, p = 0.9
-                       .voxel({2, 0, 0}, 0.F)                    // p = 0.5: occupied
-                       .box({4, 0, 0}, {7, 3, 3}, -nine_tenths)  // one leaf, 64 voxels, p = 0.1
-                       .pruned();
-  ASSERT_EQ(map->getNumLeafNodes(), 3);
-  const MapStatistics s = statisticsOf(*map);
-  EXPECT_EQ(s.occupied, 9);
-  EXPECT_EQ(s.free, 64);
-  const double h = 0.32508297339144826, ln2 = std::log(2.0);
-  EXPECT_NEAR(s.mean_entropy_occupied, (8 * h + ln2) / 9, 1e-7);
-  EXPECT_NEAR(s.mean_entropy_known, (72 * h + ln2) / 73, 1e-7);
-}
-
-TEST(MapStatistics, OfAnEmptyMapAreZero) {
-  const MapStatistics s = statisticsOf(octomap::OcTree(0.1));
-  EXPECT_EQ(s.occupied + s.free, 0);
-  EXPECT_EQ(s.mean_entropy_occupied, 0);
-  EXPECT_EQ(s.mean_entropy_known, 0);
-}
-
-TEST(MapStatistics, CountAHugeLeafWithoutExpandingIt) {
-  EXPECT_EQ(statisticsOf(*rootLeaf(kOccupied)).occupied, size_t{1} << 48U);
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <map>
 #include <random>
 #include <tuple>
@@ -17,7 +16,6 @@
 #include "fusion_core/map/map_voxels.h"
 #include "fusion_core/pair/match.h"
 #include "fusion_core/registration/pose_covariance.h"
-#include "fusion_core/verdict/agreement.h"
 #include "fusion_core/verdict/evaluation.h"
 #include "fusion_octree/resampling.h"
 #include "robot_simulator.h"
@@ -175,42 +173,6 @@ TEST_F(Matching, EdgeCandidatesAreTheMostBentPieceOfEachCube) {
   EXPECT_EQ(edgeCandidates(matched, sparse.features).size(), matched.voxels.size());
 }
 
-TEST_F(Matching, ThinnedOutMapsHaveOneVoxelOfEachCube) {
-  const OccupiedVoxels& all = fineMaps().a.voxels;
-  const Thinned few = thinOut(all, 0.4);
-  using Cube = std::array<int, 3>;
-  const auto cubeOf = [](const octomap::OcTreeKey& k) {
-    return Cube{k[0] / 4, k[1] / 4, k[2] / 4};
-  };
-  std::map<Cube, size_t> best;  // by hand: in each cube the most probable
-  std::map<Cube, int> count;
-  for (size_t i = 0; i < all.size(); i++) {
-    const auto [it, is_first] = best.try_emplace(cubeOf(all.key[i]), i);
-    if (!is_first && all.probability[i] > all.probability[it->second]) it->second = i;
-    count[it->first]++;
-  }
-  ASSERT_EQ(few.index.size(), best.size());
-  EXPECT_TRUE(std::is_sorted(few.index.begin(), few.index.end()));
-  for (size_t k = 0; k < few.index.size(); k++) {
-    const Cube cube = cubeOf(all.key[few.index[k]]);
-    EXPECT_EQ(few.index[k], best.at(cube));
-    EXPECT_EQ(few.weight[k], count.at(cube));
-  }
-  EXPECT_EQ(thinOut(all, 0.1).index.size(), all.size());
-}
-
-TEST_F(Matching, ThinningTakesTheVoxelThatIsAskedFor) {
-  const OccupiedVoxels& all = fineMaps().a.voxels;
-  const Thinned last = thinOut(all, 0.4, [](uint32_t, uint32_t) { return true; });
-  ASSERT_GT(last.index.size(), 100U);
-  size_t end = 0;  // where the cube after each one begins
-  for (size_t k = 0; k < last.index.size(); k++) {
-    end += static_cast<size_t>(last.weight[k]);
-    EXPECT_EQ(last.index[k], end - 1);
-  }
-  EXPECT_EQ(end, all.size());
-}
-
 TEST_F(Matching, FeaturesAreOfTheThinnedVoxels) {
   const MapFeatures& f = fineMaps().a;
   const Thinned kept = thinOut(f.voxels, params.features.voxel_spacing);
@@ -230,27 +192,10 @@ TEST_F(Matching, FeaturesAreOfTheThinnedVoxels) {
   EXPECT_EQ(featuresOf(*fineMaps().map_a, all_voxels).matched.voxels.size(), f.voxels.size());
 }
 
-TEST_F(Matching, ThinnedOutMapsHaveOneVoxelOfEachCubeOfAPrunedLeaf) {
-  // One leaf of 8 voxels' side, and a neighbour that is not pruned.
-  const auto tree =
-      MapWriter(0.1).box({0, 0, 0}, {7, 7, 7}, kOccupied).voxel({9, 1, 1}, kOccupied).pruned();
-  EXPECT_EQ(tree->getNumLeafNodes(), 2U);
-  EXPECT_EQ(thinOut(extractOccupiedVoxels(*tree), 0.4).index.size(), 9U);
-}
-
 TEST_F(Matching, RecordsThePoseThatEachIterationReached) {
   const MatchResult r = matchTwoLevel(maps().a, maps().b, guess, params);
   ASSERT_FALSE(r.iterations.empty());
   EXPECT_EQ(r.iterations.back().T_a_b.matrix(), r.T_a_b.matrix());
-}
-
-TEST_F(Matching, AgreementIsHighestAtTheTruth) {
-  const auto& [a, b] = std::tie(maps().a, maps().b);
-  const Obstacles of_a = obstaclesOf(a, a.matched), of_b = obstaclesOf(b, b.matched);
-  const double best = agreement(a, of_a, b, of_b, truth);
-  for (const auto& off : {poseOf(0.5, 0, 0, 0), poseOf(0, -0.5, 0, 0), poseOf(0, 0, 0.4, 0),
-                          poseOf(0, 0, 0, 5), poseOf(2, 1, 0, 10), poseOf(40, 0, 0, 0)})
-    EXPECT_LT(agreement(a, of_a, b, of_b, truth * off), best) << off.matrix();
 }
 
 TEST_F(Matching, AsPublishedSucceedsByThePapersOwnCriterion) {

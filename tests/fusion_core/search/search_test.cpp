@@ -2,13 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 
 #include "fusion_core/features/surfaces.h"
 #include "fusion_core/map/map_voxels.h"
 #include "fusion_core/search/all_rotations.h"
 #include "fusion_core/search/pose_search.h"
-#include "fusion_core/search/wall_directions.h"
 #include "support/matching_tools.h"
 #include "support/test_maps.h"
 
@@ -60,29 +58,6 @@ TEST_F(Search, FromEverywhereFindsTheTruthFromAnyGuess) {
     EXPECT_LT((found[0].T_a_b * middle - middle).norm(), 1.5 * params.cell) << guess.matrix();
     EXPECT_LT(degreesBetween(found[0].T_a_b, kIdentity), 5) << guess.matrix();
   }
-}
-
-TEST_F(Search, DominantDirectionsAreThoseOfMostSurface) {
-  Surfaces surfaces;
-  const Eigen::Matrix3d R = poseOf(0, 0, 0, 30, 20, 50).linear();
-  const auto add = [&](const Eigen::Vector3d& n, size_t count, float weight) {
-    for (size_t i = 0; i < count; i++) {
-      const double sign = i % 2 == 0 ? 1 : -1;  // the sign of a normal says nothing
-      surfaces.normal.push_back((sign * (R * n)).cast<float>());
-      surfaces.weight.push_back(weight);
-    }
-  };
-  add(Eigen::Vector3d::UnitX(), 300, 1);
-  add(Eigen::Vector3d::UnitZ(), 200, 3);
-  add(Eigen::Vector3d::UnitY(), 100, 1);
-  add(Eigen::Vector3d(1, 1, 0).normalized(), 10, 1);  // too few
-  add(Eigen::Vector3d::Zero(), 500, 1);               // no surface
-  const auto found = dominantDirections(surfaces, 5, {});
-  ASSERT_EQ(found.size(), 3U);
-  for (size_t i = 0; i < 3; i++)
-    EXPECT_NEAR(std::abs(found[i].dot(R.col(std::array{2, 0, 1}[i]))), 1, 1e-6) << i;
-  EXPECT_EQ(dominantDirections(surfaces, 1, {}).size(), 1U);
-  EXPECT_TRUE(dominantDirections({}, 3, {}).empty());
 }
 
 TEST_F(Search, FromEverywhereIsNotLedAwayByStrayReturns) {

@@ -38,9 +38,9 @@ class MRPT_FUSION_API Prior {
   static Prior none();
   /** Returns the prior of a guess without a covariance: the options bound the search. */
   static Prior near(const mrpt::poses::CPose3D& guess);
-  /** Returns the prior of a guess with a covariance: the search goes kSearchSigmas standard
-   * deviations far in position and yaw.
-   * \exception std::exception If the covariance is not finite or has a negative variance. */
+  /** A guess and how good it is: the search goes kSearchSigmas standard deviations far in position,
+   * height and yaw; everywhere if that is kUnknownPoseSigma or more; as near() if the covariance is
+   * zero. \exception std::exception If the covariance is not finite or has a negative variance. */
   static Prior gaussian(const mrpt::poses::CPose3DPDFGaussian& guess);
   /** Converts MRPT's Gaussian, as gaussian(). */
   Prior(const mrpt::poses::CPose3DPDFGaussian& guess)  // NOLINT(google-explicit-constructor)

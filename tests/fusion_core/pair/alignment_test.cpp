@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Tests of all steps from two prepared maps to a pose and a verdict. */
+#include <gtest/gtest.h>
+#include <mrpt/fusion/alignment.h>
+
+#include <cmath>
+#include <cstddef>
+#include <exception>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "fusion_base/error_text.h"
+#include "fusion_core/pair/match.h"
+#include "fusion_core/pair/verify.h"
+#include "fusion_core/verdict/evaluation.h"
+#include "support/apartment_pair.h"
+
+namespace mrpt::fusion::test {
+namespace {
+
+class Aligning : public testing::Test {
+ protected:
+  /** Made once, for the tests only read them. */
+  static const ApartmentPair& maps() {
+    static const ApartmentPair pair(0.2);
+    return pair;
+  }
+  static const PreparedMap& a() {
+    static const PreparedMap map(*maps().map_a);
+    return map;
+  }
+  static const PreparedMap& b() {
+    static const PreparedMap map(*maps().map_b);
+    return map;
+  }
+  static const PreparedMap& edgesOfB() {
+    static const PreparedMap edges(maps().b.edges);
+    return edges;
+  }
+  /** The match of a guess near the truth. */
+  static const Alignment& found() {
+    static const Alignment alignment = align(a(), b(), near(poseOf(0.3, -0.2, 0, 4)), {});
+    return alignment;
+  }
+  /** A guess that is off by so much. */
+  static Prior near(const Eigen::Isometry3d& off) {
+    return Prior::near(toPose(maps().truth * off));
+  }
+
+  /** Options that accept whatever has pairs, but for a rival. */
+  static Options credulous() {
+    Options options;
+    EvaluationParams& e = options.evaluation;
+    e.max_free_conflict = 1;
+    e.min_overlap = e.min_probability = 0;
+    e.min_threshold = e.max_threshold = 0;
+    return options;
+  }
+  /** What is said if maps cannot be matched. */
+  template <class F>
+  static std::string errorOf(F&& f) {
+    try {
+      f();
+    } catch (const std::exception& e) {
+      return messageOf(e);
+    }
+    return {};
+  }
+
+  const Eigen::Isometry3d truth = maps().truth;
+};
+
+// ---------------------------------------------------------------- pose and verdict
+
+TEST_F(Aligning, FindsThePoseAndAcceptsIt) {
+  for (const Prior& prior : {near(poseOf(0.3, -0.2, 0, 4)), Prior::none()}) {
+    const Alignment r = align(a(), b(), prior, {});
+    EXPECT_LT(metresBetween(r.match.T_a_b, truth), 0.1);
+    EXPECT_LT(degreesBetween(r.match.T_a_b, truth), 1);
+    EXPECT_TRUE(r.evaluation.accepted);
+    EXPECT_FALSE(r.by_edges);
+  }
+}
+
+TEST_F(Aligning, TellsTheSizesOfBothMaps) {
+  EXPECT_EQ(found().voxels_a, a().occupiedVoxels());
+  EXPECT_EQ(found().voxels_b, b().occupiedVoxels());
+  EXPECT_EQ(found().edges_a, a().edges().size());
+  EXPECT_EQ(found().edges_b, b().edges().size());
+  EXPECT_NE(found().voxels_a, found().voxels_b);
+  EXPECT_GT(found().seconds_matching, 0);
+  EXPECT_GT(found().seconds_evaluation, 0);
+}
+
+TEST_F(Aligning, PoseIsAViewOfTheMatch) {
+  const auto pose = found().pose();
+  EXPECT_TRUE(toEigen(pose.mean).isApprox(found().match.T_a_b, 1e-12));
+  EXPECT_TRUE(pose.cov.asEigen().isApprox(
+      toYawPitchRollCovariance(found().match.covariance, found().match.T_a_b), 1e-12));
+}
+
+TEST_F(Aligning, HypothesesAreAViewOfTheMatch) {
+  const auto modes = found().hypotheses();
+  const auto& expected = found().match.hypotheses;
+  ASSERT_GE(expected.size(), 2U);
+  ASSERT_EQ(modes.size(), expected.size());
+  auto mode = modes.begin();
+  for (const RankedPose& h : expected) {
+    EXPECT_TRUE(toEigen(mode->val.mean).isApprox(h.T_a_b, 1e-12));
+    EXPECT_NEAR(mode->log_w, std::log(h.agreement), 1e-12);
+    EXPECT_TRUE(
+        mode->val.cov.asEigen().isApprox(toYawPitchRollCovariance(h.covariance, h.T_a_b), 1e-12));
+    ++mode;
+  }
+}
+
+TEST_F(Aligning, ViewsFollowTheMatch) {
+  Alignment changed = found();
+  changed.match.T_a_b = poseOf(1, 2, 3, 40);
+  changed.match.hypotheses.resize(2);
+  EXPECT_TRUE(toEigen(changed.pose().mean).isApprox(poseOf(1, 2, 3, 40), 1e-12));
+  EXPECT_EQ(changed.hypotheses().size(), 2U);
+  changed.match.hypotheses[1].agreement = 0;
+  EXPECT_EQ(changed.hypotheses().size(), 1U) << "no mode has a weight of zero";
+  changed.match.hypotheses.clear();
+  EXPECT_EQ(changed.hypotheses().size(), 0U);
+}
+
+TEST_F(Aligning, TellsOfEachIteration) {
+  std::vector<IterationRecord> told;
+  const Alignment r = align(a(), b(), near(poseOf(0.3, -0.2, 0, 4)), {},
+                            [&](const IterationRecord& i) { told.push_back(i); });
+  ASSERT_FALSE(told.empty());
+  ASSERT_EQ(told.size(), r.match.iterations.size());
+  for (size_t i = 0; i < told.size(); i++)
+    EXPECT_EQ(told[i].T_a_b.matrix(), r.match.iterations[i].T_a_b.matrix());
+}
+
+// ---------------------------------------------------------------- judge and verify
+
+TEST_F(Aligning, TheVerdictIsThatOfTheMatch) {
+  const Evaluation e = judge(a().features(), b().features(), found().match, Options().evaluation);
+  EXPECT_EQ(e.probability, found().evaluation.probability);
+  EXPECT_EQ(e.reasons, found().evaluation.reasons);
+}
+
+TEST_F(Aligning, JudgingNeitherSearchesNorChangesTheMatch) {
+  const Options options = credulous();
+  const Eigen::Isometry3d wrong = truth * poseOf(1, 0, 0, 0);
+  const MatchResult match = matchAt(a().features(), b().features(), wrong, options);
+  const MatchResult before = match;
+  const Evaluation e = judge(a().features(), b().features(), match, options.evaluation);
+  EXPECT_TRUE(e.accepted);
+  EXPECT_LT(e.probability, options.evaluation.sure_probability);
+  EXPECT_EQ(e.runner_up, 0);
+  EXPECT_EQ(match.T_a_b.matrix(), before.T_a_b.matrix());
+  EXPECT_EQ(match.covariance, before.covariance);
+  EXPECT_EQ(match.pairs.size(), before.pairs.size());
+  EXPECT_TRUE(match.hypotheses.empty());
+}
+
+TEST_F(Aligning, VerifyingSearchesEverywhereIfTheVerdictIsNotSure) {
+  const Options options = credulous();
+  const Eigen::Isometry3d wrong = truth * poseOf(1, 0, 0, 0);
+  MatchResult match = matchAt(a().features(), b().features(), wrong, options);
+  const Evaluation e = verify(a().features(), b().features(), options, match);
+  EXPECT_FALSE(e.accepted);
+  EXPECT_GT(e.runner_up, 1);
+  EXPECT_EQ(match.T_a_b.matrix(), wrong.matrix()) << "the match stays what it is";
+  ASSERT_EQ(match.hypotheses.size(), 2U);
+  EXPECT_LT(metresBetween(match.hypotheses[1].T_a_b, truth), 0.1) << "the better pose";
+}
+
+TEST_F(Aligning, VerifyingDoesNotSearchIfItIsNotToOrNeedNot) {
+  const Eigen::Isometry3d wrong = truth * poseOf(1, 0, 0, 0);
+  Options never = credulous(), no_search = credulous(), rejected = credulous(),
+          everywhere_already = credulous();
+  never.evaluation.sure_probability = 0;
+  no_search.search.translation = 0;
+  rejected.evaluation.min_probability = 0.99;
+  everywhere_already.search = everywhere(everywhere_already.search);
+  for (const Options& options : {never, no_search, rejected, everywhere_already}) {
+    MatchResult match = matchAt(a().features(), b().features(), wrong, options);
+    const Evaluation e = verify(a().features(), b().features(), options, match);
+    EXPECT_EQ(e.accepted, options.evaluation.min_probability == 0);
+    EXPECT_TRUE(match.hypotheses.empty());
+  }
+}
+
+TEST_F(Aligning, VerifyingARightMatchLeavesItAccepted) {
+  Options never_sure;
+  never_sure.evaluation.sure_probability = 1;
+  MatchResult match = found().match;
+  const Evaluation e = verify(a().features(), b().features(), never_sure, match);
+  EXPECT_TRUE(e.accepted);
+  EXPECT_EQ(match.hypotheses.size(), found().match.hypotheses.size());
+}
+
+// ---------------------------------------------------------------- a given pose
+
+TEST_F(Aligning, AGivenPoseIsJudgedAsItIs) {
+  const Alignment right = evaluate(a(), b(), toPose(truth), {});
+  EXPECT_TRUE(right.evaluation.accepted);
+  EXPECT_TRUE(right.match.T_a_b.isApprox(truth, 1e-12));
+  EXPECT_TRUE(right.match.hasPairs());
+  EXPECT_TRUE(right.match.iterations.empty());
+  EXPECT_EQ(right.voxels_b, b().occupiedVoxels());
+  const Alignment wrong = evaluate(a(), b(), toPose(truth * poseOf(1, 0, 0, 0)), {});
+  EXPECT_FALSE(wrong.evaluation.accepted);
+  EXPECT_LT(wrong.evaluation.probability, right.evaluation.probability);
+}
+
+// ---------------------------------------------------------------- edges alone
+
+TEST_F(Aligning, EdgesAloneTellWhereTheMapsMeet) {
+  const Alignment r = align(a(), edgesOfB(), near(poseOf(0.3, -0.2, 0, 4)), {});
+  EXPECT_TRUE(r.by_edges);
+  EXPECT_LT(metresBetween(r.match.T_a_b, truth), 0.4);
+  EXPECT_EQ(r.voxels_b, edgesOfB().occupiedVoxels());
+}
+
+TEST_F(Aligning, EdgesAloneAreNeverAccepted) {
+  Options options = credulous();
+  options.evaluation.max_runner_up = 1;
+  const PreparedMap edges_of_a(maps().a.edges);
+  const Prior prior = near(poseOf(0.3, -0.2, 0, 4));
+  for (const Alignment& r :
+       {align(a(), edgesOfB(), prior, options), align(edges_of_a, b(), prior, options),
+        align(edges_of_a, edgesOfB(), prior, options)}) {
+    EXPECT_TRUE(r.by_edges);
+    EXPECT_TRUE(r.match.hasPairs());
+    EXPECT_FALSE(r.evaluation.accepted);
+    EXPECT_FALSE(r.evaluation.is_ambiguous);
+    ASSERT_FALSE(r.evaluation.reasons.empty());
+    EXPECT_NE(r.evaluation.reasons.back().find("edges alone"), std::string::npos);
+  }
+}
+
+TEST_F(Aligning, EdgesAloneCannotBeJudgedAtAPose) {
+  EXPECT_THROW(evaluate(a(), edgesOfB(), toPose(truth), {}), std::exception);
+  EXPECT_THROW(evaluate(edgesOfB(), a(), toPose(truth), {}), std::exception);
+}
+
+// ---------------------------------------------------------------- what cannot be matched
+
+TEST_F(Aligning, SaysWhichMapHasNoOccupiedVoxel) {
+  const PreparedMap nothing(octomap::OcTree(0.2));
+  const PreparedMap air(*MapWriter(0.2).box({0, 0, 0}, {9, 9, 9}, kFree).pruned());
+  for (const PreparedMap& empty : {nothing, air, PreparedMap(EdgeVoxels())}) {
+    EXPECT_EQ(errorOf([&] { align(empty, b(), Prior::none(), {}); }),
+              "map A has no occupied voxel");
+    EXPECT_EQ(errorOf([&] { align(a(), empty, Prior::none(), {}); }),
+              "map B has no occupied voxel");
+  }
+}
+
+TEST_F(Aligning, RefusesAGuessThatIsNoPose) {
+  mrpt::poses::CPose3D guess;
+  guess.x(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_EQ(errorOf([&] { align(a(), b(), Prior::near(guess), {}); }),
+            "the initial guess is not a pose");
+}
+
+}  // namespace
+}  // namespace mrpt::fusion::test
