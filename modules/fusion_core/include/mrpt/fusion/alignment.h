@@ -43,12 +43,14 @@ struct MRPT_FUSION_API Alignment {
  * number of threads. \param[in] a,b The maps A and B. \param[in] prior What is known of B's pose in
  * A's frame. \param[in] options All but features and merge. \param[in] on_iteration Called after
  * each iteration, if given; never by two threads at a time. \exception std::exception If the guess
- * is no pose, or a map has no occupied (edge) voxel. */
+ * is no pose or is farther away than the maps can reach, a map has no occupied (edge) voxel, or the
+ * voxels of one map are more than 1000 times as wide as those of the other. */
 MRPT_FUSION_API Alignment align(const PreparedMap& a, const PreparedMap& b, const Prior& prior,
                                 const Options& options, const OnIteration& on_iteration = {});
 
 /** Judges a given pose of B in A. The result's match has the pairs at that pose.
- * \exception std::exception If a map is edges alone. */
+ * \exception std::exception If a map is edges alone, or the pose or the voxel sizes are such as
+ * align() refuses. */
 MRPT_FUSION_API Alignment evaluate(const PreparedMap& a, const PreparedMap& b,
                                    const mrpt::poses::CPose3D& pose, const Options& options);
 
