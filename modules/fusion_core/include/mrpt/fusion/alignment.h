@@ -47,7 +47,8 @@ struct MRPT_FUSION_API Alignment {
  * \param[in] prior Knowledge of B's pose in A's frame.
  * \param[in] options Parameters; `features` and `merge` are not used.
  * \param[in] on_iteration Called after each iteration, if given; never by two threads at a time.
- * \exception std::exception If the guess is not finite, or a map has no occupied (edge) voxel. */
+ * \exception std::exception If the guess is not finite or farther away than maps can reach, if a
+ * map has no occupied (edge) voxel, or if one voxel size is more than 1000 times the other. */
 MRPT_FUSION_API Alignment align(const PreparedMap& a, const PreparedMap& b, const Prior& prior,
                                 const Options& options, const OnIteration& on_iteration = {});
 
