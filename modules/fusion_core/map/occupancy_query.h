@@ -16,7 +16,7 @@ namespace mrpt::fusion {
 enum class Finding : uint8_t {
   Unknown,   ///< The map does not know the place
   Agrees,    ///< The map has an obstacle there or in a neighbouring voxel
-  Conflicts  ///< The map has seen the place free, and all around it
+  Conflicts  ///< The map has seen the place free, and has no obstacle around it
 };
 
 /** What a map says of an obstacle at a point (m, the map's frame). Only a place seen free with
