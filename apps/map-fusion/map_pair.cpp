@@ -30,15 +30,14 @@ namespace map_fusion {
 
 namespace {
 
-/** What the arguments say about the pose of B in A. */
+/** Returns what the arguments say about the pose of B in A. */
 mrpt::fusion::Prior priorOf(const RunContext& run) {
   using mrpt::fusion::Prior;
   const auto& sigma = run.args.init_sigma;
   if (!run.report.initial_pose) return Prior::none();
   if (sigma.empty()) return Prior::near(*run.report.initial_pose);
   mrpt::poses::CPose3DPDFGaussian guess(*run.report.initial_pose);
-  constexpr double kLeastSigma =
-      1e-3;  // m; an all-zero covariance means the ranges of the settings
+  constexpr double kLeastSigma = 1e-3;  // m; a zero covariance would mean an unknown quality
   const double metres = std::max(sigma[0], kLeastSigma);
   const double yaw = mrpt::DEG2RAD(sigma[1]);
   for (int i = 0; i < 3; i++) guess.cov(i, i) = metres * metres;

@@ -23,7 +23,7 @@ struct MapPair {
 /** Loads both maps. Parses the poses of the arguments before. */
 MapPair loadPair(RunContext& run);
 
-/** Prepares both maps at once. */
+/** Prepares both maps in parallel. */
 std::pair<mrpt::fusion::PreparedMap, mrpt::fusion::PreparedMap> preparePair(const RunContext& run,
                                                                             const MapPair& pair);
 

@@ -23,7 +23,8 @@ const MrptMaps& mrptMaps() {
 }
 
 const octomap::OcTree& LoadedMap::wholeMap() const {
-  if (edges) throw std::runtime_error("the edges of a map are not, and hold no, 3-D occupancy map");
+  if (edges)
+    throw std::runtime_error("a map is edges alone, which can be neither judged nor merged");
   return *octree;
 }
 

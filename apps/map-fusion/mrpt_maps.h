@@ -34,12 +34,12 @@ struct LoadedMap {
   std::shared_ptr<const mrpt::fusion::EdgeVoxels> edges;  ///< Edges; null if the map is whole
   std::shared_ptr<mrpt::maps::CMetricMap> mrpt;           ///< MRPT's map, if the file has one
 
-  /** The map made ready for matching. */
+  /** Prepares the map for matching. */
   mrpt::fusion::PreparedMap prepared(const mrpt::fusion::FeatureParams& params) const {
     return edges ? mrpt::fusion::PreparedMap(*edges, params)
                  : mrpt::fusion::PreparedMap(octree, params);
   }
-  /** The octree. \exception std::runtime_error If only edges are known. */
+  /** Returns the map. \exception std::runtime_error If only edges are known. */
   const octomap::OcTree& wholeMap() const;
 };
 

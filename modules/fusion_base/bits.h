@@ -6,21 +6,22 @@
 #include <vector>
 
 /** \file
- * What compilers offer beyond C++17, in one place: bit counts, prefetches, four numbers at a time.
+ * Compiler extensions beyond C++17: bit counts, prefetches, vectors of 4 numbers.
  */
 
 namespace mrpt::fusion {
 
-/** Number of the lowest bit that is set. \param[in] bits Not 0. */
+/** Returns the number of the lowest set bit.
+ * \param[in] bits The bits; not 0. */
 constexpr int lowestBit(uint64_t bits) { return __builtin_ctzll(bits); }
 
-/** Brings an element into the cache by the time that it is needed. */
+/** Loads element i of \a v into the cache, for a later access. */
 template <class T>
 void prefetch(const std::vector<T>& v, size_t i) {
   __builtin_prefetch(&v[i]);
 }
 
-/** Four numbers in one register. */
+/** 4 numbers in one register. */
 using Four = float __attribute__((vector_size(16)));
 
 }  // namespace mrpt::fusion

@@ -6,11 +6,15 @@
 #include <string>
 #include <string_view>
 
+/** \file
+ * Bounds-checked reading of bytes. */
+
 namespace mrpt::fusion {
 
+/** Throws std::runtime_error with the message \a why. */
 [[noreturn]] inline void corrupt(const std::string& why) { throw std::runtime_error(why); }
 
-/** Takes values off the front of a byte range, never past its end. */
+/** Reads values from the front of a byte range. Throws std::runtime_error at its end. */
 class ByteReader {
  public:
   explicit ByteReader(std::string_view bytes) : bytes_(bytes) {}

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Checks keys and values of settings. */
 #include "fusion_base/config_check.h"
 
 #include <mrpt/core/exceptions.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Reads whole files, and writes files whole or not at all. */
+ * Reads whole files, and writes files atomically. */
 #include "fusion_base/files.h"
 
 #include <fcntl.h>
@@ -29,7 +29,7 @@ std::string readFileBytes(const std::string& path) {
   std::ifstream f(path, std::ios::binary);
   if (!f) throw std::runtime_error(systemError("cannot be opened"));
   std::string bytes;
-  bytes.reserve(static_cast<size_t>(st.st_size));  // of a pipe 0
+  bytes.reserve(static_cast<size_t>(st.st_size));  // 0 for a pipe
   std::array<char, 1U << 16U> block;
   while (f.read(block.data(), block.size()), f.gcount() > 0)
     bytes.append(block.data(), static_cast<size_t>(f.gcount()));
@@ -46,7 +46,7 @@ std::string beginningOf(const std::string& path) {
   std::string bytes(64, '\0');
   f.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<size_t>(f.gcount()));
-  if (bytes.empty()) readFileBytes(path);  // says why: missing, a directory, empty
+  if (bytes.empty()) readFileBytes(path);  // throws the reason: missing, a directory, empty
   return bytes;
 }
 
@@ -56,9 +56,9 @@ void writeFileAtomically(const std::string& path, std::string_view bytes) {
 
 void writeFileAtomically(const std::string& path,
                          const std::function<void(const ByteSink&)>& write) {
-  // Of a link, what it leads to is replaced, if it is there. What has no name, as a pipe behind
-  // /dev/stdout, is written to, and so is a device or a pipe: it has no contents to protect, and a
-  // rename would replace it by a file.
+  // The existing target of a link is replaced, not the link. Devices, pipes and targets without a
+  // name (such as a pipe behind /dev/stdout) are written in place: they have no contents to
+  // protect, and a rename would replace them by a file.
   std::error_code nameless;
   const std::string named = std::filesystem::canonical(path, nameless).string();
   const std::string& target = nameless ? path : named;
@@ -79,7 +79,7 @@ void writeFileAtomically(const std::string& path,
       }
     });
     if (!in_place) {
-      // mkstemp() makes the file private; give it the rights any new file would have.
+      // mkstemp() makes the file private. fchmod() sets the default permissions of a new file.
       const mode_t mask = ::umask(0);
       ::umask(mask);
       check(::fchmod(fd, 0666 & ~mask) == 0 && ::fsync(fd) == 0 &&

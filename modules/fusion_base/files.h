@@ -6,30 +6,33 @@
 #include <string_view>
 
 /** \file
- * Bytes from and to files: what goes wrong is said in one line, and no output is left half-written.
+ * Reading and writing of whole files. Errors have messages of one line. No output file is
+ * incomplete.
  */
 
 namespace mrpt::fusion {
 
-/** Whole contents of a file. \exception std::runtime_error If it cannot be read, or is empty. */
+/** Returns the whole contents of a file.
+ * \exception std::runtime_error If it cannot be read, or is empty. */
 std::string readFileBytes(const std::string& path);
 
-/** The first bytes of a file, to tell its kind by. \exception std::runtime_error As
- * readFileBytes(). */
+/** Returns at most the first 64 bytes of a file, which identify its format.
+ * \exception std::runtime_error As readFileBytes(), and for pipes and devices. */
 std::string beginningOf(const std::string& path);
 
-/** Takes the bytes of a file in pieces, one after the other. */
+/** Function that receives the bytes of a file in consecutive pieces. */
 using ByteSink = std::function<void(std::string_view)>;
 
-/** Writes a file so that either all of it is there or nothing has changed: into a temporary file
- * beside \a path, or beside what a link of that name leads to, flushed, then renamed. A device or a
- * pipe is written to as it is.
- * \exception std::runtime_error With the system's reason (full disk, no such directory...). */
+/** Writes a whole file, or changes nothing. The bytes go to a temporary file beside \a path, which
+ * is flushed and then renamed. If \a path is a link, the temporary file is beside the target of the
+ * link. A device or a pipe is written in place.
+ * \exception std::runtime_error With the reason of the system (full disk, missing directory...). */
 void writeFileAtomically(const std::string& path, std::string_view bytes);
 
 /** \overload
- * \param[in] path As above. \param[in] write Gives what it is called with all pieces of the file;
- * what it throws leaves nothing changed either. */
+ * \param[in] path The file.
+ * \param[in] write Function that passes all pieces of the file to its argument. If it throws, the
+ * file does not change. */
 void writeFileAtomically(const std::string& path,
                          const std::function<void(const ByteSink&)>& write);
 

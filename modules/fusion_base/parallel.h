@@ -6,14 +6,20 @@
 
 #include <cstddef>
 
+/** \file
+ * Parallel loops with results that do not depend on the number of threads. */
+
 namespace mrpt::fusion {
 
-/** Voxels per task. */
+/** Number of voxels per task. */
 constexpr size_t kGrain = 512;
 
-/** Calls f(begin, end) for pieces of [0, n), in parallel; f writes only what belongs to its piece,
- * and each index by itself, so the result is the same for any number of threads. \param[in] grain
- * Least indices per piece: enough work to pay for scheduling it. */
+/** Calls f(begin, end) for pieces of [0, n), in parallel. f must compute each index independently
+ * and write only data of its piece. The result then does not depend on the number of threads.
+ * \param[in] n Number of indices.
+ * \param[in] grain Number of indices up to which a piece is not divided. The work of a piece
+ * must be large against the cost of scheduling.
+ * \param[in] f The function. */
 template <class F>
 void forEachRange(size_t n, size_t grain, F&& f) {
   tbb::parallel_for(tbb::blocked_range<size_t>(0, n, grain),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Loads and saves the parameters that the stages list. */
+ * Loads and saves lists of parameters. */
 #include "fusion_base/parameter.h"
 
 #include <mrpt/core/exceptions.h>
@@ -13,7 +13,8 @@
 namespace mrpt::fusion {
 namespace {
 
-/** A number, in degrees in the file if its field is in radians. */
+/** Makes the parameter of a number. If \a is_degrees, the file has degrees and the field has
+ * radians. */
 template <class T>
 Parameter numeric(const char* key, T& field, double min, double max, const char* comment,
                   NumberKind kind, bool is_degrees = false) {
@@ -29,7 +30,7 @@ Parameter numeric(const char* key, T& field, double min, double max, const char*
   p.text = [=, &field] {
     const auto value = static_cast<double>(field);
     if (kind == NumberKind::Whole) return mrpt::format("%.0f", value);
-    // To the six digits that people write: 80 deg is not 79.99999999999999.
+    // Six digits: 80 deg must not become 79.99999999999999.
     return mrpt::format("%g", is_degrees ? value * 180 / M_PI : value);
   };
   return p;

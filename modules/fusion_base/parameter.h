@@ -12,18 +12,18 @@
 #include <vector>
 
 /** \file
- * The parameters of a stage, as settings files have them. A stage lists its own parameters, each
- * with key, range, unit and meaning; loading, checking and saving follow from that list. */
+ * The parameters of a stage in settings files. Each stage lists its parameters with key, range,
+ * unit and meaning. The list defines loading, checking and saving. */
 
 namespace mrpt::fusion {
 
-/** Ranges without an upper end. */
+/** Upper limit of ranges without an upper limit. */
 constexpr double kUnlimited = 1e9;
 
 /** One parameter. It refers to the field of a Params struct, which must outlive it. */
 struct Parameter {
-  /** Reads the value at the key, if there is one. \exception std::exception On a value out of
-   * range, naming section and key. */
+  /** Function that reads the value at the key, if the key exists. It throws std::exception with
+   * section and key if the value is out of range. */
   std::function<void(const mrpt::config::CConfigFileBase& source, const std::string& section)> load;
   std::function<std::string()> text;  ///< Value as written to a file; fractions in six digits
   std::function<double()> value;      ///< Value in the field; of a named value, its index
@@ -32,22 +32,22 @@ struct Parameter {
   bool is_advanced = false;           ///< True if few users need it
 };
 
-using Parameters = std::vector<Parameter>;  ///< Those of a stage, in their order in files
+using Parameters = std::vector<Parameter>;  ///< Parameters of a stage, in their order in files
 
-/** A number of any unit but degrees. */
+/** Makes the parameter of a number in any unit except degrees. */
 Parameter number(const char* key, double& field, double min, double max, const char* comment);
-/** An angle: radians in the field, degrees in the file. \param[in] min,max Degrees. */
+/** Makes the parameter of an angle: radians in the field, degrees in the file and in the range. */
 Parameter angle(const char* key, double& field, double min, double max, const char* comment);
-/** A whole number. */
+/** Makes the parameter of a whole number. */
 Parameter count(const char* key, unsigned& field, double min, double max, const char* comment);
 /** \overload */
 Parameter count(const char* key, size_t& field, double min, double max, const char* comment);
 
-/** Values of an enumeration and their names in files. */
+/** Values of an enumeration with their names in files. */
 template <class E>
 using Names = std::vector<std::pair<E, const char*>>;
 
-/** "a, b, c". */
+/** Returns the names as "a, b, c". */
 template <class E>
 std::string listOf(const Names<E>& names) {
   std::string list;
@@ -55,11 +55,11 @@ std::string listOf(const Names<E>& names) {
   return list;
 }
 
-/** Implementation of choice(). \param[in] get,set Index into \a names. */
+/** Implements choice(). \a get and \a set access the index into \a names. */
 Parameter namedValue(const char* key, std::vector<std::string> names, std::function<size_t()> get,
                      std::function<void(size_t)> set, const std::string& comment);
 
-/** A value of an enumeration. \param[in] names All of its values; copied. */
+/** Makes the parameter of an enumeration. \a names holds all of its values and is copied. */
 template <class E>
 Parameter choice(const char* key, E& field, const Names<E>& names, const std::string& comment) {
   std::vector<std::string> texts;
@@ -76,12 +76,11 @@ Parameter choice(const char* key, E& field, const Names<E>& names, const std::st
       [&field, values](size_t i) { field = values[i]; }, comment);
 }
 
-/** Marks a parameter as one that few users need. */
+/** Marks a parameter that few users need. */
 Parameter advanced(Parameter p);
 
-/** Loads all parameters that a section has. Missing keys keep their values.
- * \exception std::exception On a value out of range, or a key in the section that is no parameter.
- */
+/** Loads the parameters in a section. Missing keys keep their values.
+ * \exception std::exception If a value is out of range, or a key of the section is no parameter. */
 void loadParameters(const Parameters& parameters, const mrpt::config::CConfigFileBase& source,
                     const std::string& section);
 

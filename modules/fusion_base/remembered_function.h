@@ -6,18 +6,21 @@
 #include <cstring>
 #include <utility>
 
+/** \file
+ * Cache of the values of a function. */
+
 namespace mrpt::fusion {
 
-/** A function of a float, for arguments of which there are few different ones: a map's voxels have
- * a few hundred log-odds between them, and what was computed for most is remembered. 4 kB. Not for
- * several threads. */
+/** A function of a float with a cache of its values, for arguments with few distinct values: the
+ * voxels of a map have a few hundred distinct log-odds. Memory: 4 kB. Each thread needs its own
+ * object. */
 template <class F>
 class RememberedFunction {
  public:
-  /** \param[in] f (float) -> a double. */
+  /** \param[in] f The function: (float) -> double. */
   explicit RememberedFunction(F f) : f_(std::move(f)) { known_.fill({0, f_(0.0F)}); }
 
-  /** The function's value. */
+  /** Returns the value of the function. */
   double operator()(float x) {
     uint32_t bits;
     std::memcpy(&bits, &x, sizeof(bits));
@@ -30,7 +33,7 @@ class RememberedFunction {
   }
 
  private:
-  static constexpr uint32_t kGoldenRatio = 0x9E3779B1;  // spreads what differs in any bits
+  static constexpr uint32_t kGoldenRatio = 0x9E3779B1;  // spreads differences in all bits
   struct Known {
     float argument;
     double value;

@@ -9,24 +9,23 @@
 #include <vector>
 
 /** \file
- * Building a whole octomap::OcTree top-down in one traversal, instead of one setNodeValue() from
- * the root per voxel. Log-odds are stored as given: nothing is clamped.
+ * Builds a whole octomap::OcTree top-down in one traversal. setNodeValue() would descend from the
+ * root for each voxel. Log-odds are stored without clamping.
  */
 
 namespace mrpt::fusion {
 
-/** A cube of an octree's grid: its lowest-corner key at the finest level, and its depth
- * (0: the root's cube, 16: a finest voxel). */
+/** A cube of an octree's grid, by the key of its lowest finest voxel and its depth. */
 struct OcTreeCube {
-  octomap::OcTreeKey key{0, 0, 0};  ///< of its lowest finest voxel
-  unsigned depth = 0;               ///< 0: the root's
+  octomap::OcTreeKey key{0, 0, 0};  ///< Key of the lowest finest voxel
+  unsigned depth = 0;               ///< Depth: 0 is the root, 16 is a finest voxel
 
-  static constexpr unsigned kMaxDepth = 16;  ///< of the finest voxels
+  static constexpr unsigned kMaxDepth = 16;  ///< Depth of the finest voxels
 
-  /** Side in finest voxels. */
+  /** Returns the side, finest voxels. */
   uint32_t side() const { return 1U << (kMaxDepth - depth); }
 
-  /** True if the other cube is this one or lies within it. */
+  /** True if the other cube is this cube or lies within it. */
   bool contains(const OcTreeCube& o) const {
     if (o.depth < depth) return false;
     for (unsigned axis = 0; axis < 3; axis++)
@@ -34,7 +33,7 @@ struct OcTreeCube {
     return true;
   }
 
-  /** The i-th of eight children, in OctoMap's order (bit 0: x, bit 1: y, bit 2: z). */
+  /** Returns the i-th of 8 children, in OctoMap's order (bit 0: x, bit 1: y, bit 2: z). */
   OcTreeCube child(unsigned i) const {
     const unsigned height = kMaxDepth - depth - 1;
     const auto part = [&](unsigned axis) {
@@ -44,36 +43,38 @@ struct OcTreeCube {
   }
 };
 
-/** The node of the i-th child cube of a node's cube, for walks that go deeper than this tree does:
- * a leaf, pruned or not, stands for all the cubes below it, and is returned itself.
- * \param[in] tree The node's. \param[in] node Null if nothing is known of its cube.
- * \param[in] i In OctoMap's order. \return Null if nothing is known of the child's. */
+/** Returns the node of the i-th child cube of a node's cube, for traversals deeper than the octree.
+ * A leaf counts as all cubes in it: for a leaf the function returns the leaf itself.
+ * \param[in] tree The octree of the node.
+ * \param[in] node The node; null if its cube is unknown.
+ * \param[in] i Number of the child in OctoMap's order.
+ * \return Null if the child's cube is unknown. */
 inline const octomap::OcTreeNode* childOrSelf(const octomap::OcTree& tree,
                                               const octomap::OcTreeNode* node, unsigned i) {
   if (!node || !tree.nodeHasChildren(node)) return node;
   return tree.nodeChildExists(node, i) ? tree.getNodeChild(node, i) : nullptr;
 }
 
-/** What a cube of the tree under construction holds. */
+/** Content of a cube of the octree under construction. */
 struct OcTreeFill {
-  /** The three things that a cube can be. */
+  /** Kind of content. */
   enum class Kind {
-    Unknown,  ///< nothing is known of it
-    Leaf,     ///< one value in all of it
-    Split     ///< its children tell
+    Unknown,  ///< Unknown space
+    Leaf,     ///< One value in the whole cube
+    Split     ///< Content given by the children
   };
-  Kind kind = Kind::Unknown;  ///< what the cube is
-  float log_odds = 0;         ///< of a leaf
+  Kind kind = Kind::Unknown;  ///< Kind of content
+  float log_odds = 0;         ///< Log-odds of a leaf
 
-  static OcTreeFill unknown() { return {}; }                                 ///< Kind::Unknown
-  static OcTreeFill leaf(float log_odds) { return {Kind::Leaf, log_odds}; }  ///< Kind::Leaf
-  static OcTreeFill split() { return {Kind::Split, 0}; }                     ///< Kind::Split
+  static OcTreeFill unknown() { return {}; }  ///< Makes Kind::Unknown
+  static OcTreeFill leaf(float log_odds) { return {Kind::Leaf, log_odds}; }  ///< Makes Kind::Leaf
+  static OcTreeFill split() { return {Kind::Split, 0}; }                     ///< Makes Kind::Split
 };
 
-/** Reaches what octomap::OcTree keeps protected: its root and its sensor model's log-odds. */
+/** Access to protected members of octomap::OcTree: root, and log-odds of the sensor model. */
 class OcTreeAccess : private octomap::OcTree {
  public:
-  /** Gives an empty tree its root node. */
+  /** Creates the root node of an empty octree. */
   static octomap::OcTreeNode* createRoot(octomap::OcTree& tree) {
     tree.*(&OcTreeAccess::root) = new octomap::OcTreeNode();
     tree.*(&OcTreeAccess::tree_size) = 1;
@@ -81,7 +82,8 @@ class OcTreeAccess : private octomap::OcTree {
     return tree.getRoot();
   }
 
-  /** Makes all of a tree, which becomes empty, the i-th child of a node that has no such child. */
+  /** Moves the octree \a child below a node, as its i-th child. The node must not have this child.
+   * \a child becomes empty. */
   static void adoptChild(octomap::OcTree& tree, octomap::OcTreeNode& node, unsigned i,
                          octomap::OcTree& child) {
     struct Node : octomap::OcTreeNode {
@@ -89,7 +91,7 @@ class OcTreeAccess : private octomap::OcTree {
         return n.*(&Node::children);
       }
     };
-    tree.createNodeChild(&node, i);  // gives the node its children, and the tree one node more
+    tree.createNodeChild(&node, i);  // allocates the children, and counts one node
     octomap::AbstractOcTreeNode*& slot = Node::childrenOf(node)[i];
     delete static_cast<octomap::OcTreeNode*>(slot);
     slot = child.getRoot();
@@ -99,21 +101,21 @@ class OcTreeAccess : private octomap::OcTree {
     child.*(&OcTreeAccess::size_changed) = true;
   }
 
-  /** The five log-odds of the sensor model, bit for bit (OctoMap's setters take probabilities and
-   * round). */
+  /** The 5 log-odds of the sensor model, bit for bit. OctoMap's setters take probabilities and
+   * round. */
   struct SensorModel {
-    float clamp_min;            ///< lowest value that a voxel can reach
-    float clamp_max;            ///< highest value that a voxel can reach
-    float hit;                  ///< added by a hit
-    float miss;                 ///< added by a miss
-    float occupancy_threshold;  ///< voxels from here on are occupied
+    float clamp_min;            ///< Lowest log-odds of a voxel
+    float clamp_max;            ///< Highest log-odds of a voxel
+    float hit;                  ///< Change by a hit, log-odds
+    float miss;                 ///< Change by a miss, log-odds
+    float occupancy_threshold;  ///< Least log-odds of an occupied voxel
   };
-  /** The model of a tree. */
+  /** Returns the sensor model of an octree. */
   static SensorModel sensorModel(const octomap::OcTree& t) {
     return {t.getClampingThresMinLog(), t.getClampingThresMaxLog(), t.getProbHitLog(),
             t.getProbMissLog(), t.getOccupancyThresLog()};
   }
-  /** Gives a tree another model; its voxels stay as they are. */
+  /** Sets the sensor model of an octree. The voxels do not change. */
   static void setSensorModel(octomap::OcTree& t, const SensorModel& m) {
     t.*(&OcTreeAccess::clamping_thres_min) = m.clamp_min;
     t.*(&OcTreeAccess::clamping_thres_max) = m.clamp_max;
@@ -125,7 +127,7 @@ class OcTreeAccess : private octomap::OcTree {
 
 namespace detail {
 
-/** A node that is created, with its ancestors, when the first known cube below it is found. */
+/** A node that is created together with its ancestors, at the first known cube in its cube. */
 struct LazyNode {
   octomap::OcTree& tree;
   LazyNode* parent;
@@ -159,16 +161,18 @@ void buildOcTreeNode(LazyNode& self, const OcTreeCube& cube, typename Visitor::S
 
 }  // namespace detail
 
-/** Fills an empty tree by asking \a visitor what each cube holds, from the root down.
+/** Fills an empty octree with the contents that \a visitor returns, from the root down.
  *
- * Visitor has a type State (what it knows of a cube), and
- *  - `OcTreeFill visit(const OcTreeCube&, State&)`: unknown, one value, or split (never at the
- *    finest depth);
- *  - `State descend(const State&, unsigned i, const OcTreeCube& child)`: state of the i-th child.
+ * Visitor has a type State, the state of the traversal in a cube, and the functions
+ *  - `OcTreeFill visit(const OcTreeCube&, State&)`: returns the content of a cube (never Split at
+ * the finest depth);
+ *  - `State descend(const State&, unsigned i, const OcTreeCube& child)`: returns the state of the
+ * i-th child.
  *
- * Equal siblings are pruned and inner nodes hold their children's maximum, as OctoMap keeps them.
- * \param[in,out] tree An empty tree; its resolution and sensor model are not touched.
- * \param[in] root_state The visitor's state for the root. \param[in,out] visitor As above.
+ * Equal siblings are pruned. Inner nodes hold the maximum of their children, as in OctoMap.
+ * \param[in,out] tree An empty octree. Its resolution and sensor model do not change.
+ * \param[in] root_state The visitor's state for the root.
+ * \param[in,out] visitor The visitor.
  */
 template <class Visitor>
 void buildOcTree(octomap::OcTree& tree, typename Visitor::State root_state, Visitor& visitor) {
@@ -178,7 +182,7 @@ void buildOcTree(octomap::OcTree& tree, typename Visitor::State root_state, Visi
 
 namespace detail {
 
-/** Calls `f(cube, state)` for the known cubes at a depth that are not part of a larger leaf, in the
+/** Calls `f(cube, state)` for the known cubes at a depth, except for cubes in a larger leaf, in the
  * order of the octree. */
 template <class Visitor, class F>
 void forEachCubeAt(unsigned depth, const OcTreeCube& cube, typename Visitor::State& state,
@@ -192,8 +196,8 @@ void forEachCubeAt(unsigned depth, const OcTreeCube& cube, typename Visitor::Sta
   }
 }
 
-/** The tree down to a depth, whose cubes are built already: \a built, in the order of the octree.
- */
+/** Builds the octree above a depth. The octrees of the cubes at this depth are in \a built, in the
+ * order of the octree. */
 template <class Visitor>
 void buildAbove(unsigned depth, LazyNode& self, const OcTreeCube& cube,
                 typename Visitor::State& state, Visitor& visitor,
@@ -217,11 +221,12 @@ void buildAbove(unsigned depth, LazyNode& self, const OcTreeCube& cube,
 
 }  // namespace detail
 
-/** buildOcTree() on all cores: the same tree, for a visitor that can be copied and has
- *  - `State rootState()`: that of the root, for this copy of the visitor. */
+/** Builds the same octree as buildOcTree() on all cores. The visitor must be copyable, and have the
+ * function
+ *  - `State rootState()`: returns the state of the root for this copy of the visitor. */
 template <class Visitor>
 void buildOcTreeInParallel(octomap::OcTree& tree, const Visitor& visitor) {
-  constexpr size_t kEnough = 64;  // cubes, for some are empty and some full
+  constexpr size_t kEnough = 64;  // number of cubes: some are empty, some are full
   constexpr unsigned kDeepest = 12;
   std::vector<OcTreeCube> cubes;
   unsigned depth = 0;

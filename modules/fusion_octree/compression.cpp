@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Compresses octrees with LZMA, and reads untrusted compressed data. */
 #include "fusion_octree/compression.h"
 
 #include <lzma.h>
@@ -38,7 +40,7 @@ uint8_t childrenOf(const octomap::OcTree& tree, const OcTreeNode* node) {
   return children;
 }
 
-/** The i-th byte of each number, as many as tell them apart: one plane after the other. */
+/** Appends \a bytes planes: plane i holds byte i of each number. */
 void appendPlanes(const std::vector<uint32_t>& numbers, unsigned bytes, std::string& out) {
   for (unsigned i = 0; i < bytes; i++)
     for (const uint32_t n : numbers) out.push_back(static_cast<char>(n >> (8 * i) & 0xFFU));
@@ -58,16 +60,16 @@ void append(uint64_t number, std::string& out) {
   out.append(reinterpret_cast<const char*>(&number), sizeof(number));
 }
 
-/** An inner node that does not hold its children's maximum (a tree updated lazily). */
+/** An inner node whose value is not the maximum of its children (after lazy updates). */
 struct Exception {
-  uint64_t node;  ///< number in pre-order
+  uint64_t node;  ///< Number of the node in pre-order
   float value;
 };
 
-/** What a tree is made of, each kind by itself, in pre-order. */
+/** The parts of an octree, each in pre-order. */
 struct Parts {
   uint64_t nodes = 0;
-  std::string masks;  ///< of children, of all nodes that are not finest voxels
+  std::string masks;  ///< Masks of the children, for all nodes above the finest depth
   std::vector<uint32_t> leaves;
   std::vector<Exception> exceptions;
 };
@@ -87,7 +89,7 @@ void collect(const octomap::OcTree& tree, const OcTreeNode* node, unsigned depth
     if (children >> i & 1U) collect(tree, tree.getNodeChild(node, i), depth + 1, parts);
 }
 
-/** The values that occur, most frequent first. */
+/** Returns the distinct values, most frequent first. */
 std::vector<uint32_t> tableOf(const std::vector<uint32_t>& leaves) {
   std::unordered_map<uint32_t, size_t> count;
   for (const uint32_t value : leaves) count[value]++;
@@ -110,7 +112,7 @@ std::string flatten(const Parts& parts) {
   for (const auto& e : parts.exceptions)
     out.append(reinterpret_cast<const char*>(&e.value), sizeof(e.value));
 
-  // Where nearly every leaf has a value of its own a table would only add to them.
+  // If nearly all leaves have distinct values, a table would only add data.
   std::vector<uint32_t> table = tableOf(parts.leaves);
   if (table.size() > 1U << 16U || table.size() > parts.leaves.size() / 4 + 1) table.clear();
   append(table.size(), out);
@@ -128,7 +130,7 @@ std::string flatten(const Parts& parts) {
   return out;
 }
 
-/** Builds the tree again, and takes the parts as it goes. */
+/** Builds an octree from its parts. */
 class Unflattening {
  public:
   Unflattening(std::string_view bytes, octomap::OcTree& tree) : tree_(tree) {
@@ -218,7 +220,7 @@ std::string compressed(std::string_view bytes) {
 
 std::string decompressed(std::string_view bytes) {
   constexpr uint64_t kMemory = uint64_t{1} << 28U;
-  // A mask and, at most, a value for each node, or a value that is none of the table's.
+  // Largest size: a mask and a value for each node, or a value without a table.
   constexpr size_t kMost = 16 * kMostCompressedNodes;
   lzma_stream stream = LZMA_STREAM_INIT;
   if (::lzma_stream_decoder(&stream, kMemory, 0) != LZMA_OK) throw std::bad_alloc();

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Reads and writes `.ot` and `.bt` files. */
 #include "fusion_octree/files.h"
 
 #include <array>
@@ -28,7 +30,7 @@ void checkDepth(unsigned depth) {
   if (depth > OcTreeCube::kMaxDepth) corrupt("the map's data is corrupt: nodes deeper than 16");
 }
 
-/** One node of a `.ot` body and all below it. \return Number of nodes read. */
+/** Reads a node of a `.ot` body and all nodes below it. \return Number of nodes read. */
 size_t readNode(ByteReader& in, octomap::OcTree& tree, octomap::OcTreeNode* node, unsigned depth,
                 size_t extra_bytes) {
   checkDepth(depth);
@@ -44,8 +46,8 @@ size_t readNode(ByteReader& in, octomap::OcTree& tree, octomap::OcTreeNode* node
   return count;
 }
 
-/** The children of one node of a `.bt` body, two bits each: 0 unknown, 1 free, 2 occupied, 3 has
- * children. \return Number of nodes read, this one included. */
+/** Reads the children of a node of a `.bt` body. Each has 2 bits: 0 unknown, 1 free, 2 occupied, 3
+ * has children. \return Number of nodes read, including this node. */
 size_t readBinaryNode(ByteReader& in, octomap::OcTree& tree, octomap::OcTreeNode* node,
                       unsigned depth) {
   const auto children = in.take<uint16_t>();
@@ -60,7 +62,7 @@ size_t readBinaryNode(ByteReader& in, octomap::OcTree& tree, octomap::OcTreeNode
       count++;
     }
   }
-  // As OctoMap writes them: all eight kinds first, then the subtrees.
+  // OctoMap's order: first all 8 kinds, then the subtrees.
   for (unsigned i = 0; i < 8; i++)
     if (((children >> (2 * i)) & 3U) == 3)
       count += readBinaryNode(in, tree, tree.getNodeChild(node, i), depth + 1);
@@ -104,8 +106,8 @@ Header parseHeader(std::string_view bytes) {
   return h;
 }
 
-/** Gives a sink the nodes of a tree, a block at a time: what a large map's file holds is never in
- * memory as a whole. */
+/** Writes the nodes of an octree to a sink, in blocks: the file of a large map is never in memory
+ * as a whole. */
 class NodeWriter {
  public:
   NodeWriter(const octomap::OcTree& tree, const ByteSink& sink) : tree_(tree), sink_(sink) {}
@@ -141,7 +143,7 @@ class NodeWriter {
   size_t used_ = 0;
 };
 
-/** Collects a file of about so many bytes. */
+/** Collects a file of about \a size bytes. */
 template <class Write>
 std::string collected(size_t size, Write&& write) {
   std::string bytes;

@@ -10,45 +10,50 @@
 #include "fusion_base/files.h"
 
 /** \file
- * OctoMap's file formats. Reading is our own because OctoMap's readers trust the file: a truncated
- * `.ot` makes them recurse on uninitialised memory. Files are the same, byte by byte.
+ * OctoMap's file formats. This library has its own readers because OctoMap's readers trust the
+ * file: a truncated `.ot` makes them recurse on uninitialised memory. The files are the same, byte
+ * by byte.
  */
 
 namespace mrpt::fusion {
 
-/** True if the bytes begin as a `.ot` or a `.bt` file does. */
+/** True if the bytes begin like a `.ot` or a `.bt` file. */
 bool isOcTreeFile(std::string_view bytes);
 
-/** Reads the contents of a `.ot` (every log-odds value and the tree's structure, bit for bit; of a
- * ColorOcTree, the occupancy) or of a `.bt` file (two values: the default clamping thresholds).
- * \exception std::runtime_error Saying what is wrong: header, truncation, node count, nodes deeper
- * than 16, log-odds that are not finite, another tree type.
+/** Reads the contents of a `.ot` or a `.bt` file. A `.ot` file gives all log-odds and the structure
+ * of the octree, bit for bit; of a ColorOcTree only the occupancy is read. A `.bt` file gives two
+ * values: the default clamping thresholds.
+ * \exception std::runtime_error If the header is wrong, the data is truncated, the number of nodes
+ * is wrong, nodes are deeper than 16, log-odds are not finite, or the tree has another type.
  */
 std::unique_ptr<octomap::OcTree> parseOcTreeFile(std::string_view bytes);
 
-/** The contents of a `.ot` file: every log-odds value and the structure of the tree. */
+/** Returns the contents of a `.ot` file: all log-odds and the structure of the octree. */
 std::string toOtFile(const octomap::OcTree& tree);
 
-/** The contents of a `.bt` file: each voxel occupied or free (maximum likelihood), probabilities
- * lost, pruned. Unlike octomap's writeBinary() it leaves \a tree as it is. */
+/** Returns the contents of a `.bt` file: each voxel is occupied or free (maximum likelihood),
+ * without probabilities, pruned. Unlike octomap's writeBinary() it does not change \a tree. */
 std::string toBtFile(const octomap::OcTree& tree);
 
-/** Writes a `.bt` file if the path ends so, else a `.ot`; all of it or nothing.
+/** Writes a `.bt` file if the path ends in `.bt`, otherwise a `.ot` file. It writes the whole file
+ * or nothing.
  * \exception std::runtime_error As writeFileAtomically(). */
 void saveOcTree(const octomap::OcTree& tree, const std::string& path);
 
-/** The nodes in pre-order, as in the data part of a `.ot` file: log-odds (4 bytes, native float)
- * and a mask of its children (1 byte) for each. Empty for an empty tree. */
+/** Returns the nodes in pre-order, as in the data part of a `.ot` file. Each node has its log-odds
+ * (4 bytes, native float) and a mask of its children (1 byte). Empty for an empty octree. */
 std::string serializeNodes(const octomap::OcTree& tree);
 /** \overload
- * Gives the bytes to \a sink in pieces. */
+ * Writes the bytes to \a sink in pieces. */
 void serializeNodes(const octomap::OcTree& tree, const ByteSink& sink);
 
-/** Inverse of serializeNodes(): fills the empty \a tree with the nodes read.
- * \param[in] bytes All of them. \param[in,out] tree Empty.
- * \param[in] extra_bytes_per_node Bytes to skip between log-odds and mask (a ColorOcTree's 3).
+/** Inverts serializeNodes(): fills the empty \a tree with the nodes.
+ * \param[in] bytes All bytes of the nodes.
+ * \param[in,out] tree An empty octree.
+ * \param[in] extra_bytes_per_node Number of bytes to skip between log-odds and mask (3 for a
+ * ColorOcTree).
  * \return Number of nodes.
- * \exception std::runtime_error As parseOcTreeFile(); \a tree is then half-filled, discard it.
+ * \exception std::runtime_error As parseOcTreeFile(). \a tree is then incomplete: discard it.
  */
 size_t parseNodes(std::string_view bytes, octomap::OcTree& tree, size_t extra_bytes_per_node = 0);
 

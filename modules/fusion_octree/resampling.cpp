@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Resamples an octree on another grid. */
 #include "fusion_octree/resampling.h"
 
 #include <algorithm>
@@ -18,11 +20,11 @@ using octomap::OcTree;
 using octomap::OcTreeKey;
 using octomap::OcTreeNode;
 
-/** Side of the whole key space, and the key of the frame's origin. */
+/** Side of the key space, and key of the frame's origin, voxels. */
 constexpr double kGridSide = 65536.0;
 constexpr double kGridOrigin = 32768.0;
 
-/** A piece of the source's known space: a node and its cube. */
+/** A piece of the source's known space: a node with its cube. */
 struct Piece {
   const OcTreeNode* node;
   OcTreeCube cube;
@@ -42,11 +44,11 @@ struct Box {
   }
 };
 
-/** Answers what a cube of the new grid holds, from the pieces of the source that it overlaps. */
+/** Returns the content of a cube of the new grid, from the pieces of the source that overlap it. */
 class ResamplingVisitor {
  public:
-  /** The pieces that a cube overlaps, a few of about its size: a range at the top of one stack that
-   * all states share (states live and die in the order of the recursion). */
+  /** The pieces that overlap a cube: a few pieces of about its size. They are a range at the top of
+   * a stack that all states share. States live in the order of the recursion. */
   class State {
    public:
     explicit State(std::vector<Piece>& stack)
@@ -57,7 +59,7 @@ class ResamplingVisitor {
       if (owns_) stack_->resize(begin_);
     }
 
-    /** The same pieces, for as long as this state lives. */
+    /** Returns a state with the same pieces. It is valid as long as this state. */
     State view() const {
       State s(*stack_);
       s.begin_ = begin_;
@@ -100,7 +102,7 @@ class ResamplingVisitor {
     State s(stack_);
     const Box box = boxInSource(cube);
     for (size_t i = 0; i < parent.size(); i++) {
-      // A copy: adding may move the stack.
+      // A copy, because an addition can move the stack.
       // NOLINTNEXTLINE(performance-unnecessary-copy-initialization)
       const Piece piece = parent[i];
       addPieces(piece, box, cube.side() * scale_, s);
@@ -118,8 +120,8 @@ class ResamplingVisitor {
   }
 
  private:
-  /** The voxels of a cube of this depth, 4 x 4 x 4, are sampled from the pieces of the cube: to
-   * sort these out for each smaller cube costs more than to look through them. */
+  /** Depth of the cubes of 4 x 4 x 4 voxels whose pieces all their voxels use. A selection of
+   * pieces for each smaller cube costs more than a search in all pieces of this cube. */
   static constexpr unsigned kSampledDepth = OcTreeCube::kMaxDepth - 2;
 
   Eigen::Vector3d toSource(const Eigen::Vector3d& p_new_grid) const {
@@ -137,7 +139,7 @@ class ResamplingVisitor {
     return {centre - half, centre + half};
   }
 
-  /** Adds to \a s the parts of \a piece in \a box: pieces no larger than \a side, or leaves. */
+  /** Adds the parts of \a piece in \a box to \a s: leaves, or nodes no larger than \a side. */
   void addPieces(const Piece& piece, const Box& box, double side, State& s) const {
     if (box.volumeIn(piece.cube) <= 0) return;
     if (piece.cube.side() <= side || !source_.nodeHasChildren(piece.node)) {
@@ -149,7 +151,7 @@ class ResamplingVisitor {
         addPieces({source_.getNodeChild(piece.node, i), piece.cube.child(i)}, box, side, s);
   }
 
-  /** True if the pieces are leaves of one value. */
+  /** True if all pieces are leaves with the same value. */
   bool isUniform(const State& s) const {
     for (size_t i = 0; i < s.size(); i++)
       if (source_.nodeHasChildren(s[i].node) || s[i].node->getLogOdds() != s[0].node->getLogOdds())
@@ -157,7 +159,7 @@ class ResamplingVisitor {
     return true;
   }
 
-  /** True if the pieces, which do not overlap, fill the box: no unknown space in it. */
+  /** True if the box has no unknown space: the pieces fill it. Pieces do not overlap. */
   static bool isCovered(const Box& box, const State& s) {
     double covered = 0;
     for (size_t i = 0; i < s.size(); i++) covered += box.volumeIn(s[i].cube);
@@ -178,7 +180,7 @@ class ResamplingVisitor {
     return std::isinf(highest) ? OcTreeFill::unknown() : OcTreeFill::leaf(highest);
   }
 
-  /** The leaf that contains a point of the source grid, or none. */
+  /** Returns the leaf at a point of the source grid, or null. */
   const OcTreeNode* findLeaf(const Eigen::Vector3d& p, const State& pieces) const {
     if (p.minCoeff() < 0 || p.maxCoeff() >= kGridSide) return nullptr;
     const uint32_t key[3] = {static_cast<uint32_t>(p.x()), static_cast<uint32_t>(p.y()),
@@ -232,7 +234,7 @@ bool hasObstacleNear(const OcTree& map, const OcTreeKey& home, const Eigen::Vect
     const auto* node = map.search(key);
     return node && map.isNodeOccupied(node);
   };
-  if (isObstacle(home)) return true;  // mostly
+  if (isObstacle(home)) return true;  // usually
   for (int dz = -1; dz <= 1; dz++)
     for (int dy = -1; dy <= 1; dy++)
       for (int dx = -1; dx <= 1; dx++)
@@ -243,8 +245,8 @@ bool hasObstacleNear(const OcTree& map, const OcTreeKey& home, const Eigen::Vect
   return false;
 }
 
-/** Calls f(centre) for the voxels on the faces of a cube: those within lie deep in what is
- * occupied. Of cubes wider than kWideLeaf there is no fear that they get lost. */
+/** Calls f(centre) for the voxels on the faces of a cube. Inner voxels are surrounded by occupied
+ * voxels. Cubes wider than kWideLeaf are skipped: they cannot fall between the new centres. */
 template <class F>
 void forEachFaceVoxel(const OcTree& map, const OcTreeCube& cube, F&& f) {
   constexpr int kWideLeaf = 64;
@@ -271,10 +273,10 @@ void addOccupiedLeaves(const OcTree& map, const Piece& piece, std::vector<Piece>
       addOccupiedLeaves(map, {map.getNodeChild(piece.node, i), piece.cube.child(i)}, leaves);
 }
 
-/** Gives the containing voxel of \a grown the value of each occupied source voxel that has no
- * occupied counterpart within half a voxel diagonal. */
+/** Adds lost obstacles to \a grown. An occupied source voxel is lost if no voxel of \a grown within
+ * half a voxel diagonal is occupied. The voxel of \a grown at its centre then gets its value. */
 void keepThinObstacles(const OcTree& source, const Eigen::Isometry3d& T, OcTree& grown) {
-  // A voxel this much larger than the new ones always holds a new centre.
+  // A source voxel more than sqrt(3) times as wide as the new voxels always contains a new centre.
   if (source.getResolution() > std::sqrt(3.0) * grown.getResolution()) return;
   std::vector<Piece> leaves;
   if (source.getRoot()) addOccupiedLeaves(source, {source.getRoot(), OcTreeCube{}}, leaves);
@@ -282,7 +284,7 @@ void keepThinObstacles(const OcTree& source, const Eigen::Isometry3d& T, OcTree&
     OcTreeKey key;
     float log_odds;
   };
-  // Added after the search, so that none depends on another's order.
+  // Lost voxels are added after the search, so that the result does not depend on their order.
   constexpr size_t kGrain = 1024;
   std::vector<std::vector<Lost>> lost((leaves.size() + kGrain - 1) / kGrain);
   tbb::parallel_for(size_t{0}, lost.size(), [&](size_t g) {
@@ -294,7 +296,7 @@ void keepThinObstacles(const OcTree& source, const Eigen::Isometry3d& T, OcTree&
           lost[g].push_back({home, leaves[i].node->getLogOdds()});
       });
   });
-  // setNodeValue() clamps: keep the values as they are.
+  // setNodeValue() clamps: without thresholds the values stay unchanged.
   const auto model = OcTreeAccess::sensorModel(grown);
   auto unclamped = model;
   unclamped.clamp_min = -std::numeric_limits<float>::max();
@@ -316,7 +318,7 @@ std::unique_ptr<OcTree> transformOcTree(const OcTree& source, const Eigen::Isome
     throw std::invalid_argument("transformOcTree: the transform is not finite");
   if (!(resolution > 0) || !std::isfinite(resolution))
     throw std::invalid_argument("transformOcTree: the resolution must be a positive length");
-  constexpr double kMostCoarser = 64;  // samples of a voxel grow by its cube
+  constexpr double kMostCoarser = 64;  // the number of samples of a voxel grows with its cube
   if (resolution > kMostCoarser * source.getResolution())
     throw std::invalid_argument("transformOcTree: the new voxels are more than 64 times as wide");
   checkFits(source, T_dst_src, resolution);

@@ -6,34 +6,37 @@
 #include <Eigen/Geometry>
 #include <memory>
 
+/** \file
+ * The rigid transform of an octree. */
+
 namespace mrpt::fusion {
 
-/** The rigid transform of an octree: the map seen from another frame, on that frame's own grid.
+/** Returns the rigid transform of an octree: the map in another frame, on the grid of that frame.
  *
- * Each voxel of the new grid looks up the source map at its centre (inverse lookup), so there are
- * no holes and nothing is counted twice; where the new voxels are larger than the source's, it
- * takes the highest log-odds on a lattice of samples as dense as the source's voxels, as OctoMap's
- * own coarser levels do. Pruned leaves count as the voxels they stand for; free space is carried
- * over as occupied space is; unknown stays unknown.
+ * Each voxel of the new grid looks up the source map at its centre (inverse lookup). So there are
+ * no holes, and nothing is counted twice. If the new voxels are larger than the source voxels, the
+ * new value is the highest log-odds on a lattice of samples as dense as the source voxels, as on
+ * OctoMap's coarser levels. Pruned leaves count as all finest voxels in them. Free space is treated
+ * like occupied space. Unknown space stays unknown.
  *
- * No obstacle is lost: a lone occupied voxel can fall between all the new centres. If no voxel
- * within half a (new) voxel diagonal of its moved centre came out occupied, the one that contains
- * the centre takes its value. So every occupied source voxel (in leaves up to 64 voxels wide) has
- * an occupied voxel of the result within half a voxel diagonal, centre to centre, of the larger of
- * the two voxels. And none is invented: an occupied voxel of the result has an occupied source
- * voxel within the same distance, or, on a coarser grid, within half a diagonal of each.
+ * No obstacle is lost. A single occupied voxel can fall between all new centres. If no new voxel
+ * within half a (new) voxel diagonal of its moved centre is occupied, the new voxel that contains
+ * the centre gets its value. So every occupied source voxel (in leaves up to 64 voxels wide) has an
+ * occupied voxel of the result within half a voxel diagonal of the larger of the two voxels, centre
+ * to centre. No obstacle is added: an occupied voxel of the result has an occupied source voxel
+ * within the same distance, or, on a coarser grid, within the sum of half a diagonal of each.
  *
- * \param[in] source Any octree, of any resolution; not modified.
+ * \param[in] source The octree; not modified.
  * \param[in] T_dst_src Pose of the source's frame in the new frame, `p_dst = T_dst_src * p_src`.
- * \param[in] resolution Voxel size of the new grid, metres.
- * \return A new pruned tree with the source's sensor model. Its log-odds are source values, never
- * clamped or mixed.
- * \exception std::invalid_argument If T_dst_src is not finite, or resolution not positive or more
- * than 64 times the source's.
+ * \param[in] resolution Voxel size of the new grid, m.
+ * \return A new pruned octree with the source's sensor model. Its log-odds are values of the
+ * source, not clamped and not mixed.
+ * \exception std::invalid_argument If T_dst_src is not finite, or if the resolution is not positive
+ * or more than 64 times the resolution of the source.
  * \exception std::out_of_range If the moved map leaves the new grid (2^15 voxels from its origin).
  *
- * Cost: proportional to the voxels of the *boundaries* between leaves of different value; the
- * inside of a pruned leaf is copied whole. Memory: the new tree.
+ * Cost: proportional to the number of voxels at the *boundaries* between leaves of different
+ * values. The inside of a pruned leaf is copied as a whole. Memory: the new octree.
  */
 std::unique_ptr<octomap::OcTree> transformOcTree(const octomap::OcTree& source,
                                                  const Eigen::Isometry3d& T_dst_src,

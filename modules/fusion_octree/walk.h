@@ -11,13 +11,13 @@
 #include "fusion_octree/build.h"
 
 /** \file
- * Walking through the voxels of an octree, pruned leaves expanded: octomap's iterators keep a stack
- * and compute a key per node, free ones too, which takes ten times as long.
+ * Traversals of the voxels of an octree, with pruned leaves expanded. Octomap's iterators keep a
+ * stack and compute a key for every node, which takes 10 times as long.
  */
 
 namespace mrpt::fusion {
 
-/** The key of the i-th of all finest voxels in the octree's order, x fastest at each depth. */
+/** Returns the key of the i-th of all finest voxels, in the octree's order (x fastest). */
 inline octomap::OcTreeKey keyInOctreeOrder(uint64_t i) {
   octomap::OcTreeKey key(0, 0, 0);
   for (unsigned bit = 0; i >> (3 * bit); bit++)
@@ -28,7 +28,8 @@ inline octomap::OcTreeKey keyInOctreeOrder(uint64_t i) {
 
 namespace detail {
 
-/** \param[in] node Has children. Most nodes are leaves: one costs a look, not a call. */
+/** Calls f for the leaves below a node with children. Most nodes are leaves: a leaf needs no
+ * recursive call. */
 template <class F>
 void forEachLeafBelow(const octomap::OcTree& tree, const octomap::OcTreeNode& node,
                       const OcTreeCube& cube, F&& f) {
@@ -55,8 +56,9 @@ void forEachLeaf(const octomap::OcTree& tree, F&& f) {
     f(OcTreeCube{}, *root);
 }
 
-/** The box of all that a map knows, occupied or free, m; empty for an empty map. Octomap's
- * getMetricMin() and getMetricMax() walk through the map as its iterators do, each by itself. */
+/** Returns the bounding box of the known space of a map, occupied or free, m; empty for an empty
+ * map. Octomap's getMetricMin() and getMetricMax() traverse the map with its iterators, once each.
+ */
 inline Eigen::AlignedBox3d knownSpace(const octomap::OcTree& map) {
   constexpr uint32_t kMost = 1U << OcTreeCube::kMaxDepth;
   std::array<uint32_t, 3> low{kMost, kMost, kMost}, high{0, 0, 0};

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * The registration class for MRPT: it calls mrpt::fusion::align() and its relatives. */
+
 #include <mrpt/maps/CProbOctoMap.h>
 #include <mrpt/poses/CPosePDFGaussian.h>
 #include <mrpt/slam/CProbabilisticMapMatching.h>
@@ -23,7 +26,7 @@ CProbabilisticMapMatching::CProbabilisticMapMatching() {
 
 namespace {
 
-/** The octree of a whole map of MRPT's; keeps what it is converted to. */
+/** Returns the octomap of a map of MRPT. \exception std::exception If there is none. */
 std::shared_ptr<const CProbOctoMap> wholeMapOf(const CMetricMap& map) {
   auto octomap = asProbOctoMap(map);
   ASSERTMSG_(octomap, std::string("a ") + map.GetRuntimeClass()->className +
@@ -31,7 +34,7 @@ std::shared_ptr<const CProbOctoMap> wholeMapOf(const CMetricMap& map) {
   return octomap;
 }
 
-/** Both maps, prepared at once. */
+/** Prepares both maps in parallel. */
 std::pair<PreparedMap, PreparedMap> prepareBoth(const CMetricMap& m1, const CMetricMap& m2,
                                                 const FeatureParams& params) {
   std::optional<PreparedMap> a, b;
@@ -80,7 +83,7 @@ mrpt::poses::CPosePDF::Ptr CProbabilisticMapMatching::AlignPDF(
     const mrpt::poses::CPosePDFGaussian& initialEstimationPDF,
     mrpt::optional_ref<TMetricMapAlignmentResult> outInfo) {
   mrpt::poses::CPose3DPDFGaussian prior(initialEstimationPDF);
-  if (!prior.cov.asEigen().isZero(0))  // a pose in the plane says nothing of the height
+  if (!prior.cov.asEigen().isZero(0))  // the height is unknown
     prior.cov(2, 2) = std::pow(options.search.height / kSearchSigmas, 2);
   const auto pdf = Align3DPDF(m1, m2, prior, outInfo);
   auto plane = std::make_shared<mrpt::poses::CPosePDFGaussian>();

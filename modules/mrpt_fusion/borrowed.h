@@ -5,11 +5,12 @@
 #include <mrpt/maps/CMetricMap.h>
 
 /** \file
- * Maps that are prepared for the time of a call. */
+ * Prepares maps for the duration of a call. */
 
 namespace mrpt::fusion {
 
-/** As prepare(), but the result refers to the octree of \a map, which must outlive it. */
+/** Prepares a map without a copy, see prepare(). The result refers to the octree of \a map, so \a
+ * map must outlive it. */
 PreparedMap prepareBorrowed(const mrpt::maps::CMetricMap& map, const FeatureParams& params);
 
 }  // namespace mrpt::fusion

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * The shortest way from two maps of MRPT's to one. */
+ * Prepares maps of MRPT, and fuses two maps. */
+
 #include <mrpt/fusion/fusion.h>
 #include <mrpt/maps/CEdgeVoxelMap.h>
 
@@ -58,7 +59,7 @@ std::string Fused::why() const {
 }
 
 const CProbOctoMap& Fused::map() const {
-  if (!map_) throw std::logic_error("the match was rejected, nothing was merged: " + why());
+  if (!map_) throw std::logic_error("the match is rejected, nothing was merged: " + why());
   return *map_;
 }
 

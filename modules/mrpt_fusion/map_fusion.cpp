@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * The maps that robots have sent, as one. */
+ * Fuses the maps that several robots have sent. */
+
 #include <mrpt/fusion/fusion.h>
 #include <mrpt/fusion/map_fusion.h>
 

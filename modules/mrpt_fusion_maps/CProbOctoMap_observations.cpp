@@ -22,6 +22,15 @@ namespace {
 
 /** The points of an observation and the position of the sensor, both in the map's frame. */
 struct Rays {
+  explicit Rays(double resolution) : reach(resolution * (1 << 30)) {}
+
+  /** True for a point whose voxel OctoMap can compute: it counts voxels by int and does not check.
+   * Other points are far outside of the map, or not numbers. */
+  bool canHold(double x, double y, double z) const {
+    return std::abs(x) < reach && std::abs(y) < reach && std::abs(z) < reach;
+  }
+
+  double reach;  // m
   octomap::point3d origin;
   octomap::Pointcloud ends;
 };
@@ -29,7 +38,7 @@ struct Rays {
 void addPoint(const mrpt::poses::CPose3D& frame, float p_x, float p_y, float p_z, Rays& rays) {
   double x = 0, y = 0, z = 0;
   frame.composePoint(p_x, p_y, p_z, x, y, z);
-  if (std::isfinite(x) && std::isfinite(y) && std::isfinite(z))
+  if (rays.canHold(x, y, z))
     rays.ends.push_back(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
 }
 
@@ -42,14 +51,16 @@ void addPoints(const mrpt::poses::CPose3D& frame, const CPointsMap& points, Rays
   }
 }
 
-/** Returns the rays of an observation. \return Nothing if the observation has no points, or is of a
- * kind that cannot be inserted. */
-std::optional<Rays> raysOf(const CObservation& obs, const mrpt::poses::CPose3D& robot) {
+/** Returns the rays of an observation. \return Nothing if the observation has no points, is of a
+ * kind that cannot be inserted, or was made too far away, see Rays::canHold(). */
+std::optional<Rays> raysOf(const CObservation& obs, const mrpt::poses::CPose3D& robot,
+                           double resolution) {
   obs.load();  // the observation may be lazy-loaded
   mrpt::poses::CPose3D sensor_on_robot;
   obs.getSensorPose(sensor_on_robot);
   const mrpt::poses::CPose3D sensor = robot + sensor_on_robot;
-  Rays rays;
+  Rays rays(resolution);
+  if (!rays.canHold(sensor.x(), sensor.y(), sensor.z())) return std::nullopt;
   rays.origin = octomap::point3d(static_cast<float>(sensor.x()), static_cast<float>(sensor.y()),
                                  static_cast<float>(sensor.z()));
 
@@ -103,7 +114,7 @@ void CProbOctoMap::finishInsertion() {
 
 bool CProbOctoMap::internal_insertObservation(
     const CObservation& obs, const std::optional<const mrpt::poses::CPose3D>& robotPose) {
-  const auto rays = raysOf(obs, robotPose.value_or(mrpt::poses::CPose3D()));
+  const auto rays = raysOf(obs, robotPose.value_or(mrpt::poses::CPose3D()), getResolution());
   if (!rays) return false;
   applySensorModel();
   m_octree->insertPointCloud(rays->ends, rays->origin, insertionOptions.maxrange, true);
@@ -113,7 +124,7 @@ bool CProbOctoMap::internal_insertObservation(
 
 void CProbOctoMap::insertPointCloud(const CPointsMap& points, float sensor_x, float sensor_y,
                                     float sensor_z) {
-  Rays rays;
+  Rays rays(getResolution());
   addPoints(mrpt::poses::CPose3D(), points, rays);
   applySensorModel();
   m_octree->insertPointCloud(rays.ends, octomap::point3d(sensor_x, sensor_y, sensor_z),
@@ -128,7 +139,7 @@ bool CProbOctoMap::internal_canComputeObservationLikelihood(const CObservation& 
 
 double CProbOctoMap::internal_computeObservationLikelihood(
     const CObservation& obs, const mrpt::poses::CPose3D& takenFrom) const {
-  const auto rays = raysOf(obs, takenFrom);
+  const auto rays = raysOf(obs, takenFrom, getResolution());
   if (!rays) return 0;
   const size_t step = std::max<size_t>(1, likelihoodOptions.decimation);
   double log_likelihood = 0;
@@ -141,7 +152,7 @@ double CProbOctoMap::internal_computeObservationLikelihood(
 }
 
 void CProbOctoMap::insertPointCloud(const CPointsMap& points) {
-  Rays rays;
+  Rays rays(getResolution());
   addPoints(mrpt::poses::CPose3D(), points, rays);
   applySensorModel();
   for (const auto& p : rays.ends) m_octree->updateNode(p, true, true);

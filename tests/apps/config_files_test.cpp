@@ -71,6 +71,17 @@ TEST(ConfigFiles, HoldThePublishedAlgorithm) {
             "parameters.\n"));
 }
 
+TEST(ConfigFiles, HoldTheVerdictsModel) {
+  mrpt::config::CConfigFileMemory config;
+  mrpt::fusion::saveVerdictModel(mrpt::fusion::VerdictModel(), config);
+  std::string text;
+  config.getContent(text);
+  expectFile("verdict_model.ini",
+             "# The verdict's model, fitted by scripts/fit_verdict.py. Copy the section into a "
+             "settings file to change it.\n" +
+                 text);
+}
+
 TEST(ConfigFiles, LoadAgain) {
   const mrpt::config::CConfigFileMemory config(toIni(paperOptions(), ""));
   Options o;

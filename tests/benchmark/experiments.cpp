@@ -159,7 +159,7 @@ void matchEdges(const MapPair& pair, const Effort& effort, std::ostream& csv) {
   constexpr unsigned kIterations = 60;  // twice the protocol's, to see where each one ends
   constexpr unsigned kStarts = 40;
   writeRow(csv, "dataset,method,start,iteration,error_m,error_deg,mse_m2");
-  Options params = firstLevelSettings().match;
+  Options params = firstLevelSettings();
   params.registration.edge_level.max_iterations = kIterations;
   const MapFeatures a = test::featuresOf(*pair.a, params);
   const MapFeatures b = test::featuresOf(*pair.b, params);
@@ -294,7 +294,9 @@ MapPair randomParts(const MapPair& pair, std::mt19937& generator) {
 
 void judgeVerdicts(const MapPair& pair, const Effort& effort, std::ostream& csv) {
   constexpr unsigned kParts = 30, kImages = 10;
-  writeRow(csv, "dataset,guess,overlap,case,error_m,error_deg,probability,nees,verdict");
+  writeRow(csv,
+           "dataset,guess,overlap,case,error_m,error_deg,probability,nees,verdict,matched_overlap,"
+           "conflict_ratio,runner_up,inlier_ratio");
   const auto judge = [&](const MapPair& of, bool has_truth, unsigned i) {
     const double overlap = has_truth ? trueOverlap(of) : 0;
     const auto write = [&](const char* method_name, const char* guess, const Start& start) {
@@ -305,7 +307,8 @@ void judgeVerdicts(const MapPair& pair, const Effort& effort, std::ostream& csv)
       if (!has_truth) error.centre = std::numeric_limits<double>::infinity();
       writeRow(csv, pair.name, guess, overlap, i, error.centre, degrees(error.angle),
                result.probability, neesOf(result.T_a_b, result.covariance.value(), of),
-               verdictText(result.accepted));
+               verdictText(result.accepted), result.overlap, result.conflict_ratio,
+               result.runner_up, result.inlier_ratio);
     };
     write("anywhere", "none", randomStarts(1, 20, M_PI, i).front());
     write("default", "near", randomStarts(1, 1, mrpt::DEG2RAD(10.0), i).front());
@@ -398,7 +401,7 @@ void ablate(const MapPair& pair, const Effort& effort, std::ostream& csv) {
   const auto starts = every(effort.stride, paperStarts());
   for (const auto& [name, remove] : ablations()) {
     Settings settings;
-    remove(settings.match);
+    remove(settings);
     const auto method = makeMatching(settings);
     method->prepare(pair);
     unsigned success = 0, strict = 0;

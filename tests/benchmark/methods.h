@@ -22,6 +22,8 @@ struct Registration {
   unsigned iterations = 0;
   std::optional<bool> accepted;  ///< the method's own verdict, if it gives one
   double probability = 0;        ///< of being right, as the method has it
+  /** Evidence of the verdict, if the method gives one; each in [0,1]. */
+  double overlap = 0, conflict_ratio = 0, runner_up = 0, inlier_ratio = 0;
   /** Of a left perturbation (translation, rotation), if the method gives one. */
   std::optional<Eigen::Matrix<double, 6, 6>> covariance;
 };

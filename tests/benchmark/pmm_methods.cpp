@@ -2,8 +2,7 @@
 #include "pmm_methods.h"
 
 #include <mrpt/config/CConfigFile.h>
-
-#include <tuple>
+#include <tbb/parallel_invoke.h>
 
 #include "support/matching_tools.h"
 
@@ -20,10 +19,13 @@ class Matching : public Method {
   }
 
   Registration align(const Eigen::Isometry3d& start) override {
-    MatchResult result = matchMaps(a_, b_, start, settings_.match);
+    MatchResult result = matchMaps(a_, b_, start, settings_);
     const Evaluation evaluation = test::judgeMatch(a_, b_, settings_, settings_.evaluation, result);
-    return {result.T_a_b, static_cast<unsigned>(result.iterations.size()), evaluation.accepted,
-            evaluation.probability, result.covariance};
+    return {result.T_a_b,         static_cast<unsigned>(result.iterations.size()),
+            evaluation.accepted,  evaluation.probability,
+            evaluation.overlap,   evaluation.free_space.conflictRatio(),
+            evaluation.runner_up, evaluation.inlier_ratio,
+            result.covariance};
   }
 
  private:

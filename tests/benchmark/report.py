@@ -33,7 +33,8 @@ COLUMNS = {
     "edge_iterations": "dataset method start iteration error_m error_deg mse_m2",
     "overlap": "dataset method cut_m overlap start error_m error_deg verdict",
     "anywhere": "dataset band overlap start error_m error_deg cpu_s verdict",
-    "verdicts": "dataset guess overlap case error_m error_deg probability nees verdict",
+    "verdicts": "dataset guess overlap case error_m error_deg probability nees verdict"
+                " matched_overlap conflict_ratio runner_up inlier_ratio",
     "mixes": "dataset mix start error_m error_deg verdict",
     "merging": "dataset policy size entropy_occupied entropy_known log_loss brier f1"
                " building_log_loss building_brier building_f1",

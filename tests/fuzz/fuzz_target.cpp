@@ -4,6 +4,7 @@
 
 #include "fuzz_target.h"
 
+#include <mrpt/core/aligned_allocator.h>
 #include <mrpt/core/backtrace.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -21,12 +22,13 @@ void mrpt::callStackBackTrace(TCallStackBackTrace&, unsigned, unsigned) noexcept
 
 namespace {
 
+constexpr size_t kMostAllocated = size_t{512} << 20U;
+
 /** An allocation in which a small input cannot need as much fails, as it would with little memory
  * left: MRPT's readers of texts and arrays take their size from the file before they look whether
  * the file is as long. */
 void* allocate(size_t bytes) noexcept {
-  constexpr size_t kMost = size_t{512} << 20U;
-  return bytes > kMost ? nullptr : std::malloc(std::max<size_t>(bytes, 1));
+  return bytes > kMostAllocated ? nullptr : std::malloc(std::max<size_t>(bytes, 1));
 }
 
 void* allocateOrThrow(size_t bytes) {
@@ -45,6 +47,16 @@ void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete[](void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, size_t) noexcept { std::free(memory); }
 void operator delete[](void* memory, size_t) noexcept { std::free(memory); }
+
+/** Stands in for MRPT's function, which returns null to callers that do not check. */
+void* mrpt::aligned_malloc(size_t bytes, size_t alignment) {
+  void* memory =
+      bytes > kMostAllocated
+          ? nullptr
+          : std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
+  if (!memory && bytes > 0) throw std::bad_alloc();
+  return memory;
+}
 
 namespace mrpt::fusion::fuzz {
 

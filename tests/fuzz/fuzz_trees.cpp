@@ -33,7 +33,7 @@ std::vector<std::unique_ptr<octomap::OcTree>> smallTrees() {
 
 namespace {
 
-constexpr int kMostBoxes = 24;
+constexpr int kMostBoxes = 8;
 
 struct Box {
   int16_t low[3];
@@ -71,8 +71,8 @@ std::unique_ptr<octomap::OcTree> treeFrom(Input& input) {
     const Cell low = {box.low[0], box.low[1], box.low[2]};
     Cell high{};
     for (size_t axis = 0; axis < 3; axis++) {
-      // A filled box has up to 16 x 16 x 16 voxels, a shell up to 64 x 64 x 64.
-      const int most = box.kind == 1 ? 64 : 16;
+      // A filled box has up to 16 x 16 x 16 voxels, a shell up to 32 x 32 x 32.
+      const int most = box.kind == 1 ? 32 : 16;
       high[axis] = std::min(low[axis] + box.side[axis] % most, 32767);
     }
     const float log_odds = static_cast<float>(box.log_odds) / 32;
@@ -95,10 +95,14 @@ void describeRoom(Output& output, double resolution) {
 }
 
 std::string xzCompressed(std::string_view bytes) {
+  lzma_options_lzma options;
+  ::lzma_lzma_preset(&options, 0);
+  options.dict_size = LZMA_DICT_SIZE_MIN;  // larger tables take longer to clear than the rest
+  lzma_filter filters[] = {{LZMA_FILTER_LZMA2, &options}, {LZMA_VLI_UNKNOWN, nullptr}};
   std::string out(::lzma_stream_buffer_bound(bytes.size()), '\0');
   size_t size = 0;
-  require(::lzma_easy_buffer_encode(
-              0, LZMA_CHECK_CRC32, nullptr, reinterpret_cast<const uint8_t*>(bytes.data()),
+  require(::lzma_stream_buffer_encode(
+              filters, LZMA_CHECK_CRC32, nullptr, reinterpret_cast<const uint8_t*>(bytes.data()),
               bytes.size(), reinterpret_cast<uint8_t*>(out.data()), &size, out.size()) == LZMA_OK,
           "any bytes can be compressed");
   out.resize(size);

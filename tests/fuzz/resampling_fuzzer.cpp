@@ -2,7 +2,9 @@
 /** \file
  * Resampling a small octree at any pose and resolution. */
 
+#include <array>
 #include <cmath>
+#include <set>
 
 #include "fusion_octree/resampling.h"
 #include "fuzz/fuzz_target.h"
@@ -13,15 +15,23 @@ using namespace mrpt::fusion;
 
 namespace {
 
-/** True if few values of the source are looked up: those of the voxels of the new grid in and
- * beside each leaf, more than one where they are larger than the source's. */
+/** True if few values of the source are looked up: for each block of 4 x 4 x 4 voxels of the new
+ * grid that known space meets, 64 or, where the new voxels are larger than the source's, more. */
 bool isSmall(const octomap::OcTree& tree, double resolution) {
-  constexpr double kMostValues = 3e5;
-  const double samples = std::pow(std::max(1.0, std::ceil(resolution / tree.getResolution())), 3);
-  double values = 0;
-  for (auto it = tree.begin_leafs(), end = tree.end_leafs(); it != end; ++it)
-    values += std::pow(it.getSize() / resolution + 1, 3) * samples;
-  return values < kMostValues;
+  constexpr double kMostValues = 1e6;
+  const double block = 4 * resolution;
+  const double per_block =
+      64 * std::pow(std::max(1.0, std::ceil(resolution / tree.getResolution())), 3);
+  std::set<std::array<double, 3>> small;
+  double blocks = 0;
+  for (auto it = tree.begin_leafs(), end = tree.end_leafs(); it != end; ++it) {
+    if (it.getSize() < block)
+      small.insert({std::floor(it.getX() / block), std::floor(it.getY() / block),
+                    std::floor(it.getZ() / block)});
+    else
+      blocks += std::pow(it.getSize() / block + 1, 3);
+  }
+  return (blocks + static_cast<double>(small.size())) * per_block < kMostValues;
 }
 
 }  // namespace

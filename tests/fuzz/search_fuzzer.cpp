@@ -3,7 +3,6 @@
  * Matching two small maps from any guess with any covariance: search, registration and verdict. */
 
 #include <mrpt/fusion/alignment.h>
-#include <mrpt/fusion/merging.h>
 
 #include "fuzz/fuzz_target.h"
 #include "fuzz/fuzz_trees.h"
@@ -39,12 +38,15 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   prior.cov(0, 1) = prior.cov(1, 0) = input.number();
   const std::shared_ptr<const octomap::OcTree> a = fuzz::treeFrom(input), b = fuzz::treeFrom(input);
   static const Options options = cheapOptions();
+  const auto isProbability = [](double p) { return p >= 0 && p <= 1; };
   fuzz::accepts([&] {
-    const Alignment alignment =
-        align(PreparedMap(a, options.features), PreparedMap(b, options.features),
-              Prior::gaussian(prior), options);
-    const double p = alignment.evaluation.probability;
-    fuzz::require(p >= 0 && p <= 1, "the probability of being right is one");
+    const PreparedMap map_a(a, options.features), map_b(b, options.features);
+    const Alignment at_guess = evaluate(map_a, map_b, prior.mean, options);
+    fuzz::require(isProbability(at_guess.evaluation.probability), "a probability is in [0,1]");
+    const Alignment found = align(map_a, map_b, Prior::gaussian(prior), options);
+    fuzz::require(isProbability(found.evaluation.probability), "a probability is in [0,1]");
+    found.pose();
+    found.hypotheses();
   });
   return 0;
 }

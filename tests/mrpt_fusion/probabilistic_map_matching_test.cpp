@@ -417,15 +417,15 @@ TEST_F(MapMatching, AlignPdfIsTheProjectionOnThePlane) {
 TEST(SearchWithin, IsThreeStandardDeviationsOfThePrior) {
   CPose3DPDFGaussian prior;
   SearchParams configured;
-  EXPECT_EQ(searchWithin(prior, configured).translation, configured.translation);
-  EXPECT_EQ(searchWithin(prior, configured).yaw, configured.yaw);
+  EXPECT_EQ(Prior::gaussian(prior).searchWithin(configured).translation, configured.translation);
+  EXPECT_EQ(Prior::gaussian(prior).searchWithin(configured).yaw, configured.yaw);
 
   // Standard deviations of 2 m along a diagonal, 0.5 m across it.
   prior.cov(0, 0) = prior.cov(1, 1) = 0.5 * (4 + 0.25);
   prior.cov(0, 1) = prior.cov(1, 0) = 0.5 * (4 - 0.25);
   prior.cov(2, 2) = 0.04;
   prior.cov(3, 3) = 0.01;
-  const SearchParams search = searchWithin(prior, configured);
+  const SearchParams search = Prior::gaussian(prior).searchWithin(configured);
   EXPECT_NEAR(search.translation, 6, 1e-9);
   EXPECT_NEAR(search.height, 0.6, 1e-9);
   EXPECT_NEAR(search.yaw, 0.3, 1e-9);
@@ -433,12 +433,12 @@ TEST(SearchWithin, IsThreeStandardDeviationsOfThePrior) {
   EXPECT_FALSE(search.isEverywhere());
 
   prior.cov(3, 3) = 100;
-  EXPECT_NEAR(searchWithin(prior, configured).yaw, M_PI, 1e-12);
-  EXPECT_TRUE(searchWithin(noGuess(), configured).isEverywhere());
+  EXPECT_NEAR(Prior::gaussian(prior).searchWithin(configured).yaw, M_PI, 1e-12);
+  EXPECT_TRUE(Prior::none().searchWithin(configured).isEverywhere());
   configured.translation = 0;
-  EXPECT_EQ(searchWithin(noGuess(), configured).translation, 0) << "no search stays none";
+  EXPECT_EQ(Prior::none().searchWithin(configured).translation, 0) << "no search stays none";
   prior.cov(0, 0) = -1;
-  EXPECT_ANY_THROW(searchWithin(prior, configured));
+  EXPECT_ANY_THROW(Prior::gaussian(prior).searchWithin(configured));
 }
 
 TEST_F(MapMatching, APriorBoundsTheSearch) {

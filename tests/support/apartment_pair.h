@@ -8,17 +8,21 @@
 #include "support/matching_tools.h"
 #include "support/test_maps.h"
 
+/** \file
+ * A pair of overlapping maps with a known pose. */
+
 namespace mrpt::fusion::test {
 
-/** With all edges: the first level is tested by itself too. */
+/** Computes features with all edges: tests run the edge level separately, too. */
 inline MapFeatures allFeaturesOf(const octomap::OcTree& map) {
   FeatureParams params;
   params.edge_spacing = 0;
   return computeFeatures(borrowed(map), params);
 }
 
-/** Two maps of an apartment, a common 3.5 m wide, each in a frame amid it and on a grid of its own.
- * Coarse ones are for tests of something else than accuracy: they take a fourth of the time. */
+/** Two maps of an apartment that overlap by 3.5 m. Each map has its own grid, and a frame inside
+ * the apartment. Tests that do not check accuracy use a coarse voxel size, which takes 25 % of the
+ * time. */
 struct ApartmentPair {
   explicit ApartmentPair(double voxel_size) : resolution(voxel_size) {}
 

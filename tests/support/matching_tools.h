@@ -13,34 +13,34 @@
 #include "fusion_core/verdict/evaluation.h"
 
 /** \file
- * The stages of matching with the parameters that all options hold. */
+ * Calls of the stages of matching with the parameters of Options. */
 
 namespace mrpt::fusion::test {
 
-/** A map that outlives everything that refers to it. */
+/** Returns a pointer to a map without ownership. The map must outlive the pointer. */
 inline std::shared_ptr<const octomap::OcTree> borrowed(const octomap::OcTree& map) {
   return {std::shared_ptr<const octomap::OcTree>(), &map};
 }
 
-/** Features of a map that outlives them. */
+/** Returns the features of a map. The map must outlive them. */
 inline MapFeatures featuresOf(const octomap::OcTree& map, const Options& options) {
   return computeFeatures(borrowed(map), options.features);
 }
 
-/** The two levels from a guess. */
+/** Runs the two levels from a guess. */
 inline MatchResult matchTwoLevel(const MapFeatures& a, const MapFeatures& b,
                                  const Eigen::Isometry3d& T_a_b, const Options& options,
                                  const OnIteration& on_iteration = {}) {
   return matchTwoLevel(a, b, T_a_b, options.registration, options.evaluation.voxels, on_iteration);
 }
 
-/** The voxel pairs at a pose. */
+/** Returns the voxel pairs at a pose. */
 inline Pairs pairVoxels(const MapVoxels& a, const MapVoxels& b, const Eigen::Isometry3d& T_a_b,
                         const Options& options) {
   return pairVoxels(a, b, T_a_b, options.registration, options.evaluation.voxels);
 }
 
-/** The verdict on a match, or on a given pose and its pairs. */
+/** Returns the verdict on a match, or on a given pose and its pairs. */
 inline Evaluation judgeMatch(const MapFeatures& a, const MapFeatures& b, const Options& options,
                              const EvaluationParams& evaluation, MatchResult& result) {
   Options asked = options;

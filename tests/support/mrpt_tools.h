@@ -9,12 +9,13 @@
 #include "support/tree_tools.h"
 
 /** \file
- * What several test files need: see tree_tools.h; and MRPT's ways to look at a map. */
+ * Inspection of maps through MRPT, and serialization. See also tree_tools.h. */
 
 namespace map_tests {
 
-/** The occupancy of each finest voxel as the map itself answers for it. MRPT's COctoMap shows its
- * tree only through what it draws, so that is what says where to ask; all of it must be drawn. */
+/** Returns the occupancy of each finest voxel from the map's getPointOccupancy(). COctoMap gives
+ * access to its octree only by drawing, so the drawn voxels define the query points. The drawing
+ * must include all voxels. */
 template <class Map>
 std::map<VoxelIndex, double> occupanciesOf(const Map& map) {
   mrpt::opengl::COctoMapVoxels drawn;
@@ -41,7 +42,7 @@ std::map<VoxelIndex, double> occupanciesOf(const Map& map) {
   return voxels;
 }
 
-/** The bytes of an object in MRPT's serialization. */
+/** Returns the bytes of an object in MRPT's serialization. */
 inline std::string serialized(const mrpt::serialization::CSerializable& object) {
   mrpt::io::CMemoryStream memory;
   mrpt::serialization::archiveFrom(memory) << object;
@@ -56,7 +57,7 @@ inline mrpt::serialization::CSerializable::Ptr deserialized(std::string_view byt
   return mrpt::serialization::archiveFrom(memory).ReadObject();
 }
 
-/** Reads an object into one that exists. */
+/** Reads an object into an existing object. */
 inline void deserializeInto(std::string_view bytes, mrpt::serialization::CSerializable& object) {
   mrpt::io::CMemoryStream memory;
   memory.assignMemoryNotOwn(bytes.data(), bytes.size());

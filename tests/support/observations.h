@@ -12,12 +12,12 @@
 #include <vector>
 
 /** \file
- * Observations of the kinds that an octomap takes.
+ * Observations of the kinds that an octomap accepts.
  */
 
 namespace map_tests {
 
-/** Points on an uneven dome around a sensor, 1 to 4 m away. */
+/** Returns points on an uneven dome around a sensor, at 1 to 4 m. */
 inline std::vector<mrpt::math::TPoint3Df> domePoints(unsigned seed, size_t count = 400) {
   std::mt19937 rng(seed);
   std::uniform_real_distribution<float> angle(-3.1F, 3.1F), height(-0.4F, 1.2F), range(1, 4);
@@ -54,7 +54,7 @@ inline mrpt::obs::CObservation3DRangeScan::Ptr scan3dOf(
   return obs;
 }
 
-/** A scan of a wavy wall, with some beams that came back with nothing. */
+/** Returns a scan of a wavy wall, with some invalid beams. */
 inline mrpt::obs::CObservation2DRangeScan::Ptr scan2d(const mrpt::poses::CPose3D& sensor = {}) {
   auto obs = mrpt::obs::CObservation2DRangeScan::Create();
   constexpr size_t kBeams = 181;

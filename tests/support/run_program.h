@@ -11,6 +11,9 @@
 #include <sstream>
 #include <string>
 
+/** \file
+ * A test fixture that runs programs. */
+
 namespace fs = std::filesystem;
 
 inline std::string readFile(const fs::path& path) {
@@ -33,7 +36,7 @@ inline Eigen::Isometry3d readMatrix(const fs::path& path) {
   return T;
 }
 
-/** A fresh folder for each test, and programs run in it. */
+/** Fixture with a new folder for each test. Programs run in this folder. */
 class ProgramTest : public ::testing::Test {
  protected:
   struct Result {

@@ -16,17 +16,18 @@
 
 #include "fusion_octree/build.h"
 
-/** \file Small maps, poses and other things that several tests need. */
+/** \file
+ * Small maps and poses for tests. */
 
 namespace mrpt::fusion::test {
 
 inline const Eigen::Isometry3d kIdentity = Eigen::Isometry3d::Identity();
 constexpr double kDegree = M_PI / 180;
-constexpr float kOccupied = 3.5F;  ///< log-odds, p = 0.971
-constexpr float kFree = -2.0F;     ///< log-odds, p = 0.119
+constexpr float kOccupied = 3.5F;  ///< Log-odds, p = 0.971
+constexpr float kFree = -2.0F;     ///< Log-odds, p = 0.119
 
-/** A voxel of the finest grid by its place from the map's origin: its lowest corner is at
- * resolution * (x, y, z). */
+/** Coordinates of a finest voxel, in voxels from the map's origin. The lowest corner of the voxel
+ * is at resolution * (x, y, z). */
 using Cell = std::array<int, 3>;
 
 inline octomap::OcTreeKey keyOf(const Cell& c) {
@@ -40,13 +41,13 @@ inline Eigen::Vector3d centreOf(const Cell& c, double resolution) {
   return resolution * (Eigen::Vector3d(c[0], c[1], c[2]).array() + 0.5).matrix();
 }
 
-/** Writes a map voxel by voxel. Log-odds are stored as given: nothing is clamped. */
+/** Writes a map voxel by voxel. Log-odds are stored without clamping. */
 class MapWriter {
  public:
   explicit MapWriter(double resolution = 0.1)
       : tree_(std::make_unique<octomap::OcTree>(resolution)) {}
 
-  /** From here on, voxels outside this box (corners included) are left out. */
+  /** Sets the box of the following writes (corners included). Voxels outside of it are skipped. */
   MapWriter& within(const Cell& low, const Cell& high) {
     low_ = low;
     high_ = high;
@@ -60,7 +61,7 @@ class MapWriter {
     return *this;
   }
 
-  /** All voxels from one corner to the other, both included. */
+  /** Writes all voxels of a box, both corners included. */
   MapWriter& box(const Cell& low, const Cell& high, float log_odds) {
     for (int x = low[0]; x <= high[0]; x++)
       for (int y = low[1]; y <= high[1]; y++)
@@ -68,7 +69,7 @@ class MapWriter {
     return *this;
   }
 
-  /** The six faces of such a box, one voxel thick. */
+  /** Writes the 6 faces of a box, 1 voxel thick. */
   MapWriter& shell(const Cell& low, const Cell& high, float log_odds) {
     for (int axis = 0; axis < 3; axis++) {
       Cell top = high, bottom = low;
@@ -114,7 +115,7 @@ inline OccupiedVoxels voxelsAt(const std::vector<Cell>& cells, double resolution
   return v;
 }
 
-/** Lengths in metres, angles in degrees, applied as MRPT does: yaw, then pitch, then roll. */
+/** Returns a pose from lengths in m and angles in deg, in MRPT's order: yaw, pitch, roll. */
 inline Eigen::Isometry3d poseOf(double x, double y, double z, double yaw, double pitch = 0,
                                 double roll = 0) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
@@ -133,9 +134,9 @@ inline double degreesBetween(const Eigen::Isometry3d& a, const Eigen::Isometry3d
   return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle() / kDegree;
 }
 
-/** An apartment of three rooms, 10 x 7 x 2.6 m at 0.1 m, without symmetry: walls, floor, ceiling
- * and furniture occupied, the air between them free, the inside of furniture unknown. Only the part
- * between two corners. */
+/** Returns the part of an apartment between two corners. The apartment has 3 rooms, 10 x 7 x 2.6 m
+ * at 0.1 m, without symmetry. Walls, floor, ceiling and furniture are occupied. The air is free.
+ * The inside of furniture is unknown. */
 inline std::unique_ptr<octomap::OcTree> apartment(const Cell& low = {0, 0, 0},
                                                   const Cell& high = {99, 69, 25}) {
   struct Box {
@@ -163,11 +164,11 @@ inline std::unique_ptr<octomap::OcTree> apartment(const Cell& low = {0, 0, 0},
   return map.pruned();
 }
 
-/** Splits and stops at random, down to finest voxels: unknown, free or occupied, more or less sure.
- */
+/** Visitor of a random octree: splits cubes at random, down to finest voxels. Leaves are unknown,
+ * free or occupied, with random log-odds. */
 class RandomVisitor {
  public:
-  static constexpr int kSide = 128;  ///< of the part that may be known, voxels
+  static constexpr int kSide = 128;  ///< Side of the cube with known space, voxels
   static constexpr octomap::key_type kLow = 32768 - kSide / 2;
 
   struct State {};
@@ -188,7 +189,7 @@ class RandomVisitor {
   std::mt19937 random_{5};
 };
 
-/** Leaves of all sizes. */
+/** Returns a random octree with leaves of all sizes. */
 inline std::unique_ptr<octomap::OcTree> randomTree() {
   auto tree = std::make_unique<octomap::OcTree>(0.1);
   RandomVisitor visitor;
@@ -196,7 +197,7 @@ inline std::unique_ptr<octomap::OcTree> randomTree() {
   return tree;
 }
 
-/** Calls \a f with TBB held to so many threads. */
+/** Calls \a f with at most \a threads threads of TBB. */
 template <class F>
 auto withThreads(size_t threads, F&& f) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);

@@ -38,9 +38,9 @@ inline uint32_t bitsOf(float v) {
   return bits;
 }
 
-// ---------------------------------------------------------------- looking at trees
+// ---------------------------------------------------------------- inspection of octrees
 
-/** A node of a tree: where it is and what it holds, bit for bit. */
+/** Place and value of a node of an octree, bit for bit. */
 struct NodeRecord {
   std::array<unsigned, 3> key;
   unsigned depth;
@@ -59,7 +59,8 @@ inline std::ostream& operator<<(std::ostream& o, const NodeRecord& n) {
            << " depth " << n.depth << " log-odds " << log_odds;
 }
 
-/** All nodes in pre-order, inner ones included: trees are equal if and only if these are. */
+/** Returns all nodes in pre-order, including inner nodes. Two octrees are equal if and only if
+ * their nodes are equal. */
 inline std::vector<NodeRecord> nodesOf(const octomap::OcTree& tree) {
   std::vector<NodeRecord> nodes;
   for (auto it = tree.begin_tree(); it != tree.end_tree(); ++it) {
@@ -76,7 +77,7 @@ inline std::vector<NodeRecord> leavesOf(const octomap::OcTree& tree) {
   return nodes;
 }
 
-/** Says which node is the first to differ, instead of printing both trees. */
+/** Compares nodes. The message names the first node that differs. */
 inline testing::AssertionResult sameNodes(const std::vector<NodeRecord>& a,
                                           const std::vector<NodeRecord>& b) {
   for (size_t i = 0; i < std::min(a.size(), b.size()); i++)
@@ -101,13 +102,13 @@ inline std::array<uint32_t, 5> sensorModelBits(const octomap::OcTree& t) {
           bitsOf(t.getProbHitLog()), bitsOf(t.getProbMissLog()), bitsOf(t.getOccupancyThresLog())};
 }
 
-/** A finest voxel by its place on the grid: (0,0,0) has its lowest corner at the origin. */
+/** Coordinates of a finest voxel on the grid. The lowest corner of (0,0,0) is at the origin. */
 using VoxelIndex = std::array<int, 3>;
 using VoxelMap = std::map<VoxelIndex, float>;
 
 constexpr int kOriginKey = 32768;
 
-/** The log-odds of each finest voxel that a tree's leaves stand for. */
+/** Returns the log-odds of all finest voxels in an octree's leaves. */
 inline VoxelMap voxelsOf(const octomap::OcTree& tree) {
   VoxelMap voxels;
   for (auto it = tree.begin_leafs(); it != tree.end_leafs(); ++it) {
@@ -122,7 +123,7 @@ inline VoxelMap voxelsOf(const octomap::OcTree& tree) {
   return voxels;
 }
 
-/** Compares two voxel maps, naming the first voxel that differs. */
+/** Compares two voxel maps. The message names the first voxel that differs. */
 template <class Value>
 testing::AssertionResult sameVoxels(const std::map<VoxelIndex, Value>& a,
                                     const std::map<VoxelIndex, Value>& b) {
@@ -150,7 +151,7 @@ testing::AssertionResult sameVoxels(const std::map<VoxelIndex, Value>& a,
                                      << b.size() << "; " << first.str();
 }
 
-// ---------------------------------------------------------------- making trees
+// ---------------------------------------------------------------- construction of octrees
 
 inline octomap::OcTreeKey keyOf(const VoxelIndex& v) {
   return {static_cast<octomap::key_type>(v[0] + kOriginKey),
@@ -158,7 +159,7 @@ inline octomap::OcTreeKey keyOf(const VoxelIndex& v) {
           static_cast<octomap::key_type>(v[2] + kOriginKey)};
 }
 
-/** Puts a leaf at a depth, as given: OctoMap's own setters clamp the value and prune the tree. */
+/** Adds a leaf at a depth, without clamping and pruning. OctoMap's setters clamp and prune. */
 inline void putLeaf(octomap::OcTree& tree, const VoxelIndex& where, unsigned depth,
                     float log_odds) {
   const auto key = keyOf(where);
@@ -175,16 +176,15 @@ inline void putVoxel(octomap::OcTree& tree, const VoxelIndex& where, float log_o
   putLeaf(tree, where, tree.getTreeDepth(), log_odds);
 }
 
-/** Inner nodes that hold their children's maximum, and equal siblings pruned, as OctoMap keeps
- * its trees. */
+/** Sets inner nodes to the maximum of their children and prunes equal siblings, as in OctoMap. */
 inline void finish(octomap::OcTree& tree) {
   tree.updateInnerOccupancy();
   tree.prune();
 }
 
-/** A tree with everything that a file format can get wrong: equal siblings that are not pruned,
- * leaves at several depths, values beyond the clamping thresholds, the least and greatest of
- * floats, a negative zero, and inner nodes that do not hold their children's maximum. */
+/** Returns an octree with difficult cases for file formats: equal siblings that are not pruned,
+ * leaves at several depths, values beyond the clamping thresholds, the least and the greatest
+ * float, negative zero, and inner nodes that do not hold the maximum of their children. */
 inline std::unique_ptr<octomap::OcTree> awkwardTree(double resolution) {
   auto tree = std::make_unique<octomap::OcTree>(resolution);
   for (int i = 0; i < 8; i++) putVoxel(*tree, {i & 1, (i >> 1) & 1, i >> 2}, 0.85F);
@@ -204,7 +204,7 @@ inline std::unique_ptr<octomap::OcTree> awkwardTree(double resolution) {
   return tree;
 }
 
-/** A few nodes, for tests that run once per byte. */
+/** Returns an octree with a few nodes, for tests that run once per byte. */
 inline std::unique_ptr<octomap::OcTree> smallTree() {
   auto tree = std::make_unique<octomap::OcTree>(0.1);
   putVoxel(*tree, {0, 0, 0}, 1.5F);
@@ -214,8 +214,8 @@ inline std::unique_ptr<octomap::OcTree> smallTree() {
   return tree;
 }
 
-/** A piece of a building around the origin: walls one voxel thick, pruned blocks, lone voxels, free
- * space in leaves of several sizes, and unknown space between them. */
+/** Returns a part of a building around the origin: walls 1 voxel thick, pruned blocks, single
+ * voxels, free space in leaves of several sizes, and unknown space between them. */
 inline std::unique_ptr<octomap::OcTree> sceneTree(double resolution, unsigned seed) {
   auto tree = std::make_unique<octomap::OcTree>(resolution);
   std::mt19937 rng(seed);
@@ -225,7 +225,7 @@ inline std::unique_ptr<octomap::OcTree> sceneTree(double resolution, unsigned se
   };
   for (int x = -18; x < 14; x++)
     for (int y = -16; y < 16; y++)
-      for (int z = -8; z < 8; z++) putVoxel(*tree, {x, y, z}, -1.25F);  // prunes into large leaves
+      for (int z = -8; z < 8; z++) putVoxel(*tree, {x, y, z}, -1.25F);  // pruned to large leaves
   for (int i = 0; i < 300; i++)
     putVoxel(*tree, {place(rng), place(rng), place(rng)}, value(-2, -0.1F));
   for (int y = -16; y < 10; y++)
@@ -246,8 +246,8 @@ inline std::unique_ptr<octomap::OcTree> sceneTree(double resolution, unsigned se
 
 // ---------------------------------------------------------------- memory
 
-/** While it lives, the process gets no more than so much more memory: what asks for more is given
- * std::bad_alloc, instead of all that the machine has. */
+/** Limits the memory of the process while the object exists. Larger allocations throw
+ * std::bad_alloc. */
 class MemoryLimit {
  public:
   explicit MemoryLimit(size_t megabytes) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "commands/commands.h"
+#include "fusion_base/error_text.h"
 #include "inputs.h"
 #include "map_pair.h"
 
@@ -27,8 +28,11 @@ bool runFuseTeam(RunContext& run) {
   choosePolicy(run);
   std::vector<mrpt::fusion::RobotMap> maps;
   maps.reserve(robots.size());
+  run.progress.show("extracting edges");
   for (const Robot& robot : robots)
-    maps.push_back({robot.name, robot.map.prepared(run.options.features), robot.pose});
+    mrpt::fusion::withPath(robot.name, [&] {
+      maps.push_back({robot.name, robot.map.prepared(run.options.features), robot.pose});
+    });
   const auto on_member = [&](const std::string& robot, size_t joined) {
     run.progress.show("matching " + robot + " with " + std::to_string(joined) + " joined maps");
   };

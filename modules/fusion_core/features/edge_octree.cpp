@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Converts edge voxels to octrees and to PLY text. */
 #include <mrpt/core/exceptions.h>
 #include <mrpt/fusion/edge_octree.h>
 
@@ -12,7 +14,7 @@
 namespace mrpt::fusion {
 namespace {
 
-/** An octree of edge voxels, each with a value made of its probability. */
+/** Makes an octree of edge voxels. \a value converts the probability to the value of the leaf. */
 template <class F>
 octomap::OcTree treeOf(const EdgeVoxels& edges, F&& value) {
   ASSERTMSG_(edges.resolution > 0 && std::isfinite(edges.resolution),
@@ -34,7 +36,7 @@ octomap::OcTree treeOf(const EdgeVoxels& edges, F&& value) {
 }  // namespace
 
 octomap::OcTree occupancyTree(const EdgeVoxels& edges) {
-  constexpr float kMost = 0.999F;  // log-odds of 1 are infinite
+  constexpr float kMost = 0.999F;  // the log-odds of probability 1 are infinite
   if (edges.size() == 0) return octomap::OcTree(0.1);
   return treeOf(edges, [=](float p) { return octomap::logodds(std::min(p, kMost)); });
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Algorithm 1, lines 7-23, and eq. (6). */
+ * Implements Algorithm 1, lines 7-23, and eq. (6). */
 #include "fusion_core/features/edges.h"
 
 #include <Eigen/Geometry>
@@ -24,7 +24,12 @@ namespace {
 
 constexpr uint32_t kNone = ~uint32_t{0};
 
-/** Eq. (5) for one voxel that has a normal: \a near are those around it, itself included. */
+/** Returns eq. (5) for a voxel with a normal.
+ * \param[in] near Index of the voxels with normals; includes the voxel itself.
+ * \param[in] ball The neighbourhood.
+ * \param[in] key Key of the voxel.
+ * \param[in] normal Normal of the voxel.
+ * \param[in] normals Normals of the voxels in \a near. */
 float angleCost(const VoxelBlocks& near, const VoxelBlocks::Ball& ball,
                 const octomap::OcTreeKey& key, const Eigen::Vector3f& normal,
                 const std::vector<Eigen::Vector3f>& normals) {
@@ -39,8 +44,8 @@ float angleCost(const VoxelBlocks& near, const VoxelBlocks::Ball& ball,
   return sum / static_cast<float>(n);
 }
 
-/** The direction in a voxel's tangent plane in which the normals around it vary most: across the
- * edge, if it lies on one. Unit vector. */
+/** Returns the direction in a voxel's tangent plane in which the normals around it vary most, a
+ * unit vector. If the voxel lies on an edge, this is the direction across the edge. */
 Eigen::Vector3f acrossEdge(const VoxelBlocks& near, const VoxelBlocks::Ball& ball,
                            const octomap::OcTreeKey& key, const Eigen::Vector3f& normal,
                            const std::vector<Eigen::Vector3f>& normals) {
@@ -59,7 +64,8 @@ Eigen::Vector3f acrossEdge(const VoxelBlocks& near, const VoxelBlocks::Ball& bal
                 : (std::abs(y) * u + std::copysign(length - x, y) * v).normalized();
 }
 
-/** The directions of the walks, each with its opposite, in the tangent plane: x across the edge. */
+/** Returns the directions of the walks in the tangent plane, with x across the edge. Each direction
+ * also represents its opposite. */
 std::vector<Eigen::Vector2f> walkDirections(const EdgeParams& params) {
   std::vector<Eigen::Vector2f> directions;
   const auto add = [&](double angle) {
@@ -78,7 +84,7 @@ std::vector<Eigen::Vector2f> walkDirections(const EdgeParams& params) {
   return directions;
 }
 
-/** Lines 10-20: whether the surface bends by an angle in the window at the tracer's voxel. */
+/** Lines 10-20: true if the surface bends at the tracer's voxel by an angle in the angle window. */
 bool isBend(SurfaceTracer& tracer, const std::vector<Eigen::Vector2f>& directions,
             const Eigen::Vector3f& normal, const Eigen::Vector3f& across,
             const EdgeParams& params) {
@@ -99,7 +105,8 @@ bool isBend(SurfaceTracer& tracer, const std::vector<Eigen::Vector2f>& direction
                      [&](const Eigen::Vector2f& d) { return isEdge(bend(d)); });
 }
 
-/** Lines 7-22: of the voxels that each candidate stands for the one that is an edge, or kNone. */
+/** Lines 7-22: returns for each candidate the edge voxel among the voxels that the candidate
+ * represents, or kNone. */
 std::vector<uint32_t> detectEdges(const OccupiedVoxels& voxels, const VoxelBlocks& occupied,
                                   const SurfaceVoxels& pieces,
                                   const std::vector<uint32_t>& candidates,
@@ -110,12 +117,12 @@ std::vector<uint32_t> detectEdges(const OccupiedVoxels& voxels, const VoxelBlock
   const VoxelBlocks::Ball bend_ball = normalBall(params, voxels.resolution);
   const double distance = radiusInVoxels(params.trace_distance, 4, voxels.resolution);
   const auto directions = walkDirections(params);
-  std::vector<uint32_t> first_of(pieces.voxels.size() + 1, 0);  // of the voxels of each
+  std::vector<uint32_t> first_of(pieces.voxels.size() + 1, 0);  // first voxel of each piece
   for (size_t k = 0; k < pieces.voxels.size(); k++)
     first_of[k + 1] = first_of[k] + static_cast<uint32_t>(surfaces.weight[k]);
 
-  // Where the surface bends most, and its normal there: the piece's own voxel may lie beside the
-  // edge.
+  // The voxel of a piece where the surface bends most, and the normal there. The piece's own voxel
+  // may lie beside the edge.
   const auto mostBent = [&](size_t k) {
     const uint32_t first = first_of[k], end = first_of[k + 1];
     std::pair best(first, surfaces.normal[k]);
@@ -151,8 +158,9 @@ std::vector<uint32_t> detectEdges(const OccupiedVoxels& voxels, const VoxelBlock
   return found;
 }
 
-/** Line 23: indices of the points whose mean distance to their nearest neighbours is not larger
- * than the mean of all plus so many standard deviations. */
+/** Line 23: returns the indices of the points that are not outliers. The mean distance of an
+ * outlier to its nearest neighbours is above the mean of all points plus
+ * EdgeParams::outlier_deviations standard deviations. */
 std::vector<uint32_t> statisticalInliers(const std::vector<Eigen::Vector3f>& points,
                                          const EdgeParams& params) {
   std::vector<uint32_t> kept;
@@ -162,7 +170,7 @@ std::vector<uint32_t> statisticalInliers(const std::vector<Eigen::Vector3f>& poi
   const KdTree<3> tree(toDescriptors(points));
   std::vector<double> mean_distance(points.size());
   forEachIndex(points.size(), kGrain, [&](size_t i) {
-    const auto neighbours = tree.nearest(tree.point(i), k + 1);  // the point itself is one
+    const auto neighbours = tree.nearest(tree.point(i), k + 1);  // includes the point itself
     double sum = 0;
     for (const float squared : neighbours.squared_distance) sum += std::sqrt(squared);
     mean_distance[i] = sum / static_cast<double>(k);
@@ -180,11 +188,11 @@ std::vector<uint32_t> statisticalInliers(const std::vector<Eigen::Vector3f>& poi
   return kept;
 }
 
-/** Eq. (6) for each edge voxel, from the edge voxels around it. */
+/** Computes eq. (6) for each edge voxel from the edge voxels around it. */
 std::vector<EdgeCovariance> edgeCovariances(const std::vector<octomap::OcTreeKey>& edges,
                                             double radius, double resolution) {
   const VoxelBlocks blocks(edges);
-  // Just beyond the radius: whether a voxel at that very distance counts must not hang on rounding.
+  // Slightly larger than the radius: a voxel at exactly this distance counts despite rounding.
   const VoxelBlocks::Ball ball(radius / resolution + 1e-3);
   std::vector<EdgeCovariance> covariances(edges.size());
   forEachIndex(edges.size(), kGrain, [&](size_t i) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Voxels, surfaces and edges of a map. */
+ * Extracts the voxels, surfaces and edges of a map. */
 #include "fusion_core/features/features.h"
 
 #include <atomic>

@@ -12,27 +12,29 @@
 #include "fusion_core/map/map_voxels.h"
 
 /** \file
- * All that matching needs of a map, computed once for each map. */
+ * The features of a map, computed once for each map. */
 
 namespace mrpt::fusion {
 
-/** What matching needs of a map; computed once per map. */
+/** The features of a map. */
 struct MapFeatures : MapVoxels {
-  SurfaceVoxels matched;  ///< Voxels that the levels work on
+  SurfaceVoxels matched;  ///< Voxels of the voxel level, with their surfaces
   EdgeVoxels edges;       ///< Structural edges, for the edge level
 };
 /** Extracts the features of a map. Cost: see extractEdges(). */
 MapFeatures computeFeatures(std::shared_ptr<const octomap::OcTree> map,
                             const FeatureParams& params);
-/** What matching by edges alone needs: the edges are the matched voxels, without normals.
- * \param[in] map All that is known of occupied and free space, which may be the edges only.
- * \param[in] edge_tree The edges, occupied. \param[in] edges The same with their directions. */
+/** Makes the features of a match by edges only: the edge voxels are the matched voxels, without
+ * normals.
+ * \param[in] map Occupied and free space. It may hold only the edges.
+ * \param[in] edge_tree The edge voxels as occupied voxels.
+ * \param[in] edges The edge voxels with their directions. */
 MapFeatures featuresOfEdges(std::shared_ptr<const octomap::OcTree> map,
                             const octomap::OcTree& edge_tree, const EdgeVoxels& edges);
-/** Indices of the matched voxels in which computeFeatures() looks for edges. */
+/** Returns the indices of the matched voxels that computeFeatures() examines for edges. */
 std::vector<uint32_t> edgeCandidates(const SurfaceVoxels& matched, const FeatureParams& params);
-/** Number of calls of computeFeatures() in this process so far: tests count that nothing is
- * prepared twice. */
+/** Returns the number of calls of computeFeatures() in this process. Tests use it to check that no
+ * map is prepared twice. */
 size_t featureExtractions();
 /** True if either map has no occupied voxel. */
 bool isEmpty(const MapFeatures& a, const MapFeatures& b);

@@ -6,19 +6,22 @@
 #include <Eigen/LU>
 #include <algorithm>
 
+/** \file
+ * Least eigenvalue of a 3x3 matrix. */
+
 namespace mrpt::fusion {
 
-/** The least eigenvalue of a positive semi-definite 3x3 matrix, and its eigenvector: a solver of
- * all three of each takes three times as long. */
+/** The least eigenvalue of a positive semi-definite 3x3 matrix, and its eigenvector. A solver of
+ * all eigenvalues and eigenvectors takes 3 times as long. */
 class LeastAxis {
  public:
   explicit LeastAxis(const Eigen::Matrix3d& m) : m_(m), trace_(m.trace()) {
     minors_ = m(0, 0) * m(1, 1) - m(0, 1) * m(0, 1) + m(0, 0) * m(2, 2) - m(0, 2) * m(0, 2) +
               m(1, 1) * m(2, 2) - m(1, 2) * m(1, 2);
-    // Newton's iteration on x^3 - trace x^2 + minors x - det, whose roots are the eigenvalues: from
-    // below it comes nearer to the first of them with each step, and never passes it but by
-    // rounding, where it is a multiple one.
-    constexpr int kMostSteps = 40;  // a third of the error stays each time if all are the same
+    // Newton's iteration on x^3 - trace x^2 + minors x - det, whose roots are the eigenvalues. It
+    // starts below the least root and approaches it with each step. It can pass the root only by
+    // rounding, at a multiple root.
+    constexpr int kMostSteps = 40;  // a triple root: each step leaves at most 2/3 of the error
     constexpr double kExact = 1e-7, kFlat = 1e-12;
     const double det = m.determinant();
     for (int step = 0; step < kMostSteps; step++) {
@@ -35,13 +38,14 @@ class LeastAxis {
   double value() const { return value_; }
   double trace() const { return trace_; }
 
-  /** Whether both other eigenvalues are larger than so much. */
+  /** True if both other eigenvalues are larger than \a least. */
   bool othersExceed(double least) const {
     const double sum = trace_ - value_, product = minors_ - value_ * sum;
     return sum > 2 * least && (least - sum) * least + product > 0;
   }
 
-  /** Unit vector, of arbitrary sign; any one if several fit. */
+  /** Returns the eigenvector, a unit vector of arbitrary sign. For a multiple eigenvalue it is any
+   * of the eigenvectors. */
   Eigen::Vector3d direction() const {
     // The adjugate of m - value I is a multiple of n n'.
     const double xx = m_(0, 0) - value_, yy = m_(1, 1) - value_, zz = m_(2, 2) - value_;
@@ -53,7 +57,7 @@ class LeastAxis {
     constexpr double kNothing = 1e-12;
     if (adjugate.diagonal().maxCoeff(&most) > kNothing * trace_ * trace_)
       return adjugate.col(most).normalized();
-    // It is one of several: all are normal to the others' eigenvectors.
+    // A multiple eigenvalue: all its eigenvectors are normal to the other eigenvectors.
     const Eigen::Matrix3d others = m_ - value_ * Eigen::Matrix3d::Identity();
     if (!(others.colwise().squaredNorm().maxCoeff(&most) > 0)) return Eigen::Vector3d::UnitX();
     return others.col(most).unitOrthogonal();

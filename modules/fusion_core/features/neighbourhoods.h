@@ -8,12 +8,12 @@
 #include "fusion_core/map/voxel_blocks.h"
 
 /** \file
- * How far around a voxel the steps of Algorithm 1 look. */
+ * Neighbourhoods of the steps of Algorithm 1. */
 
 namespace mrpt::fusion {
 
-/** The longest radius, in voxels. A map in which more are within one is of smaller things than
- * buildings, and what is around a voxel takes memory and time by the cube of its radius. */
+/** Largest radius, voxels. Maps of buildings need no larger radius. Memory and time of a
+ * neighbourhood grow with the cube of the radius. */
 constexpr double kMostVoxels = 64;
 
 inline double radiusInVoxels(double radius, double least, double resolution) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Keys, ranges and meanings of the parameters of features. */
+ * Lists keys, ranges and meanings of the parameters of features. */
 #include "fusion_core/features/parameters.h"
 
 namespace mrpt::fusion {

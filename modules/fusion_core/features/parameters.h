@@ -6,11 +6,11 @@
 #include "fusion_base/parameter.h"
 
 /** \file
- * The parameters of the features stage, as settings files have them. */
+ * The parameters of the features stage in settings files. */
 
 namespace mrpt::fusion {
 
-/** Refers to the fields of \a params, which must outlive the result. */
+/** Lists the parameters. They refer to the fields of \a params, which must outlive the result. */
 Parameters parametersOf(FeatureParams& params);
 
 }  // namespace mrpt::fusion

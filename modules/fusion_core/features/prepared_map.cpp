@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * What a prepared map shares between its copies. */
+ * Implements the data that copies of a prepared map share. */
 #include <mrpt/core/exceptions.h>
 #include <mrpt/fusion/edge_octree.h>
 #include <mrpt/fusion/prepared_map.h>

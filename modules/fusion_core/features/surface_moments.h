@@ -13,11 +13,11 @@
 
 namespace mrpt::fusion {
 
-/** Sums over some cells of a block of 4x4x4, by their coordinates (0 to 3) in it. */
+/** Sums over cells of a block of 4x4x4 voxels, of their coordinates (0 to 3) in the block. */
 struct CellSums {
-  Four xyz = {};       ///< and how many
-  Four squares = {};   ///< xx, yy, zz
-  Four products = {};  ///< xy, xz, yz
+  Four xyz = {};       ///< Sums of x, y, z, and number of cells
+  Four squares = {};   ///< Sums of xx, yy, zz
+  Four products = {};  ///< Sums of xy, xz, yz
 
   static constexpr CellSums ofCell(int cell) {
     const auto at = VoxelBlocks::coordinatesOf(cell);
@@ -32,8 +32,8 @@ struct CellSums {
   }
 };
 
-/** Of all sets of eight cells that follow each other in a block: a block's sums are added up
- * without a branch. */
+/** Sums of all subsets of 8 consecutive cells of a block. With this table the sums of a block need
+ * no branch. */
 inline constexpr auto kSumsOfEight = [] {
   std::array<std::array<CellSums, 256>, 8> sums{};
   for (unsigned eight = 0; eight < 8; eight++)
@@ -45,12 +45,13 @@ inline constexpr auto kSumsOfEight = [] {
   return sums;
 }();
 
-/** Mean and spread of a set of offsets. Sums of whole numbers: exact, whatever their order, up to
- * 2^24, which those of a ball of 20 voxels do not reach. */
+/** Mean and covariance of a set of offsets. The sums are whole numbers: they are exact in any
+ * order, up to 2^24. The sums of a ball of 20 voxels stay below 2^24. */
 class Moments {
  public:
   /** Adds the offsets of a block's voxels.
-   * \param[in] cells Those that are there. \param[in] offset Of its lowest cell. */
+   * \param[in] cells Mask of the voxels.
+   * \param[in] offset Offset of the block's lowest cell. */
   void add(uint64_t cells, const VoxelBlocks::Offset& offset) {
     CellSums in_block;
     for (size_t eight = 0; eight < 8; eight++)
@@ -82,7 +83,7 @@ class Moments {
   CellSums sums_;
 };
 
-/** The moments of the voxels within a ball around a voxel. */
+/** Returns the moments of the voxels within a ball around a voxel. */
 inline Moments momentsAround(const VoxelBlocks& blocks, const VoxelBlocks::Ball& ball,
                              const octomap::OcTreeKey& key) {
   Moments moments;

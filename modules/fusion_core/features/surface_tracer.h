@@ -16,10 +16,10 @@ namespace mrpt::fusion {
 
 /** Walks along the surface around one voxel (Algorithm 1, lines 9-16).
  *
- * A walk stays near the slice that the voxel's normal and the walk's first direction span: there
- * the surface is a curve, and following it is a walk from voxel to voxel that may turn a right
- * angle (from a wall onto the floor) but not back. Lengths in voxels, in the slice's coordinates:
- * along the first direction, and above the voxel along its normal. */
+ * A walk stays near the slice that the voxel's normal and the first direction of the walk span. In
+ * the slice the surface is a curve. The walk follows it from voxel to voxel. It may turn by a right
+ * angle (from a wall onto the floor), but not back. Lengths are in voxels. The coordinates in the
+ * slice are the position along the first direction and the height along the normal. */
 class SurfaceTracer {
  public:
   SurfaceTracer(const VoxelBlocks& occupied, double distance)
@@ -28,8 +28,8 @@ class SurfaceTracer {
 
   void moveTo(const octomap::OcTreeKey& voxel) { occupied_.moveTo(placeOf(voxel)); }
 
-  /** The angle between the vectors to the ends of the walks that leave the voxel along \a tangent
-   * and against it, rad; none if the surface ends before d_T on a side. */
+  /** Returns the angle between the vectors to the ends of two walks, rad. The walks leave the voxel
+   * along \a tangent and against it. Returns nothing if the surface ends before d_T on a side. */
   std::optional<float> bend(const Eigen::Vector3f& tangent, const Eigen::Vector3f& normal) {
     tangent_ = tangent;
     normal_ = normal;
@@ -43,18 +43,19 @@ class SurfaceTracer {
 
  private:
   using Offset = VoxelBlocks::Offset;
-  static constexpr float kMaxStep = 2.3F;      ///< across gaps of a sparsely seen surface
-  static constexpr float kMinStep = 0.5F;      ///< within the slice
-  static constexpr float kMinForward = -0.1F;  ///< cosine of the sharpest turn in one step
-  static constexpr float kHalfSlice = 0.75F;   ///< slices this thick miss no voxel of a surface
+  static constexpr float kMaxStep = 2.3F;      ///< Largest step, crosses gaps of the surface
+  static constexpr float kMinStep = 0.5F;      ///< Least step in the slice
+  static constexpr float kMinForward = -0.1F;  ///< Cosine of the sharpest turn in one step
+  static constexpr float kHalfSlice = 0.75F;   ///< Half thickness, misses no voxel of a surface
   static constexpr float kUnreachable = 1e9F;
 
   struct Spot {
-    Offset offset;          ///< from the voxel that the walk started from
-    Eigen::Vector2f place;  ///< the same in the slice
+    Offset offset;          ///< Offset from the first voxel of the walk
+    Eigen::Vector2f place;  ///< Offset in the coordinates of the slice
   };
 
-  /** TraceVectorAlongSurfaceVoxels: unit vector to where the walk is d_T away. */
+  /** TraceVectorAlongSurfaceVoxels: returns the unit vector to the point where the walk reaches
+   * distance d_T. */
   std::optional<Eigen::Vector2f> trace(Eigen::Vector2f direction) {
     Spot at{{0, 0, 0}, {0, 0}};
     const int max_steps = 3 * static_cast<int>(distance_);
@@ -65,15 +66,16 @@ class SurfaceTracer {
       if (!stepAhead(at, direction) && !stepAcross(at, direction)) return std::nullopt;
       direction = (direction + 2 * (at.place - before)).normalized();
     }
-    return std::nullopt;  // going round in a clutter of voxels
+    return std::nullopt;  // the walk circles in clutter
   }
 
-  /** To the voxel nearest to one step ahead, if one of the eight around that place is there. */
+  /** Moves to the voxel nearest to the point one step ahead, among the 8 voxels around that point.
+   * Returns false if none of them is occupied. */
   bool stepAhead(Spot& at, const Eigen::Vector2f& direction) {
     const Eigen::Vector2f ahead = at.place + direction;
     const Eigen::Vector3f target = ahead.x() * tangent_ + ahead.y() * normal_;
     Offset low;
-    float squared[3][2];  // from the target to the lower and the upper voxels, along each axis
+    float squared[3][2];  // distances to the lower and the upper voxels, by axis
     unsigned nearest = 0;
     for (unsigned axis = 0; axis < 3; axis++) {
       low[axis] = floorOf(target[axis]);
@@ -84,7 +86,7 @@ class SurfaceTracer {
     }
     float least = kUnreachable;
     Offset best{};
-    for (unsigned flips = 0; flips < 8; flips++) {  // the nearest first: mostly it is there
+    for (unsigned flips = 0; flips < 8; flips++) {  // nearest voxel first: usually it is occupied
       const unsigned corner = nearest ^ flips;
       const unsigned x = corner & 1U, y = corner >> 1U & 1U, z = corner >> 2U;
       const float distance = squared[0][x] + squared[1][y] + squared[2][z];
@@ -102,8 +104,9 @@ class SurfaceTracer {
     return true;
   }
 
-  /** Beside the way, round a corner or across a gap: to the voxel in the slice nearest to one step
-   * ahead, among all that a step reaches. */
+  /** Moves beside the direction, around a corner or across a gap: to the voxel nearest to the point
+   * one step ahead, among all voxels of the slice within the largest step. Returns false if there
+   * is no such voxel. */
   bool stepAcross(Spot& at, const Eigen::Vector2f& direction) {
     float least = kUnreachable;
     Spot best = at;
@@ -115,7 +118,7 @@ class SurfaceTracer {
       if (squared_length < kMinStep * kMinStep ||
           (forward < 0 && forward * forward > kMinForward * kMinForward * squared_length))
         return;
-      constexpr float kNearFirst = 1e-3F;  // of two as good, whatever their order
+      constexpr float kNearFirst = 1e-3F;  // prefers the nearer of two equally good voxels
       const float distance = (way - direction).squaredNorm() + kNearFirst * squared_length;
       if (distance >= least) return;
       least = distance;
@@ -125,8 +128,8 @@ class SurfaceTracer {
     return least < kUnreachable;
   }
 
-  /** The mean of the slice's voxels about a place: a single one tells the surface to half a voxel
-   * only, which is 6 degrees of a walk of five. */
+  /** Returns the mean of the slice's voxels around a place. A single voxel has an error of up to
+   * half a voxel, which is 6 deg for a walk of 5 voxels. */
   Eigen::Vector2f middleOfSurfaceAt(const Spot& at) {
     constexpr float kRadius2 = 1.6F * 1.6F;
     static const VoxelBlocks::Ball ball(std::hypot(1.6, 2 * kHalfSlice));

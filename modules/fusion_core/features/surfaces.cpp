@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Normals, points and bends of surfaces by principal components of the voxels around. */
+ * Computes normals, points and variations of surfaces by principal component analysis. */
 #include "fusion_core/features/surfaces.h"
 
 #include <optional>
@@ -13,7 +13,8 @@
 namespace mrpt::fusion {
 namespace {
 
-/** lambda_3 / (lambda_1 + lambda_2 + lambda_3), lambda_3 the least, if there is a plane. */
+/** Returns lambda_3 / (lambda_1 + lambda_2 + lambda_3), with lambda_3 the least eigenvalue, or
+ * nothing without a plane. */
 std::optional<double> surfaceVariation(const LeastAxis& across, const EdgeParams& params) {
   const double variation = across.value() / across.trace();
   if (!across.othersExceed(1e-6) || variation > params.max_surface_variation) return std::nullopt;

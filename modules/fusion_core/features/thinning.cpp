@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Chooses voxels that stand for those around them. */
+ * Chooses voxels that represent the voxels around them. */
 #include "fusion_core/features/thinning.h"
 
 #include "fusion_core/map/map_voxels.h"

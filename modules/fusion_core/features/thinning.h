@@ -9,29 +9,31 @@
 #include "fusion_core/features/surfaces.h"
 
 /** \file
- * Fewer voxels that stand for all: matching a third of the voxels takes a third of the time. */
+ * Thinning: chooses voxels that represent all voxels. The time of matching is proportional to the
+ * number of voxels. */
 
 namespace mrpt::fusion {
 
-/** Some of a map's voxels. */
+/** Chosen voxels of a map. */
 struct Thinned {
-  std::vector<uint32_t> index;  ///< ascending
-  std::vector<float> weight;    ///< how many voxels each stands for
+  std::vector<uint32_t> index;  ///< Indices of the voxels, ascending
+  std::vector<float> weight;    ///< Number of voxels that each voxel represents
 };
-/** Some of a map's voxels, spread evenly: in each cube of the octree that is at least \a spacing
- * (m) wide the most likely occupied one, for all of them. O(voxels). */
+/** Chooses voxels of a map, spread evenly: the voxel with the highest probability in each cube of
+ * the octree. The cubes are at least \a spacing (m) wide. Cost: O(voxels). */
 Thinned thinOut(const OccupiedVoxels& voxels, double spacing);
 /** \overload
- * With `is_better(i, j) -> bool` to choose another than the most likely occupied one. */
+ * Chooses the best voxel of each cube by `is_better(i, j) -> bool`. */
 template <class IsBetter>
 Thinned thinOut(const OccupiedVoxels& voxels, double spacing, IsBetter&& is_better);
 
-/** Few voxels, spread evenly, to compare poses with; voxels that have a normal are preferred.
- * \param[in] all The voxels of a map. \param[in] spacing Width of the cubes that give one voxel
- * each, m. \param[in] enough Most voxels to return. */
+/** Chooses few voxels for comparisons of poses, spread evenly. It prefers voxels with a normal.
+ * \param[in] all The voxels of a map.
+ * \param[in] spacing Width of the cubes that give one voxel each, m.
+ * \param[in] enough Largest number of voxels. */
 SurfaceVoxels fewOf(const SurfaceVoxels& all, double spacing, size_t enough);
 
-/** The voxels at some indices. */
+/** Returns the voxels at \a indices. */
 OccupiedVoxels select(const OccupiedVoxels& voxels, const std::vector<uint32_t>& indices);
 
 // ------------------------------------------------------------------------------------------------
@@ -48,7 +50,7 @@ Thinned thinOut(const OccupiedVoxels& voxels, double spacing, IsBetter&& is_bett
   Thinned kept;
   const auto n = static_cast<uint32_t>(voxels.size());
   for (uint32_t i = 0, next; i < n; i = next) {
-    uint32_t best = i;  // in the order of the octree's leaves a cube's voxels follow each other
+    uint32_t best = i;  // the voxels of a cube are consecutive in the order of the octree
     for (next = i + 1; next < n && sameCube(i, next); next++)
       if (is_better(next, best)) best = next;
     kept.index.push_back(best);

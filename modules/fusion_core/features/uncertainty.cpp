@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Computes the covariances of voxels and edges, eqs. (4)-(9). */
 #include "fusion_core/features/uncertainty.h"
 
 #include <Eigen/Eigenvalues>

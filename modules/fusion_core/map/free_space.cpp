@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Stores free leaves as blocks or cubes, and looks voxels up. */
 #include "fusion_core/map/free_space.h"
 
 #include <algorithm>
@@ -7,7 +9,8 @@
 namespace mrpt::fusion {
 
 void FreeSpace::addCube(const OcTreeCube& leaf) {
-  // Eight blocks take as much memory as the leaf itself; a leaf may stand for 2^42 of them.
+  // A leaf may hold 2^42 blocks. Only leaves of at most 8 blocks are stored as blocks: 8 blocks
+  // take as much memory as the leaf itself.
   if (leaf.depth < kBlock - 1) {
     const uint64_t first = octreeOrder(leaf.key);
     cubes_.push_back({first, first + (uint64_t{1} << (3 * (kVoxel - leaf.depth)))});

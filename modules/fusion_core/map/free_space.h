@@ -9,33 +9,37 @@
 #include "fusion_octree/build.h"
 #include "fusion_octree/walk.h"
 
+/** \file
+ * The free voxels of an octree, for fast lookup. */
+
 namespace mrpt::fusion {
 
-/** Tells which finest voxels of an octree are free: its own search() goes down sixteen nodes, which
- * lie all over memory. 8 bytes for each block of 4x4x4 voxels some of which are free, and their
- * index (VoxelBlocks, of blocks for voxels); 16 for each free cube of more than eight such blocks.
- */
+/** The free finest voxels of an octree. A lookup is faster than OcTree::search(), which visits 16
+ * nodes scattered in memory. Memory: 8 bytes for each block of 4x4x4 voxels with a free voxel, plus
+ * the index of the blocks (VoxelBlocks); 16 bytes for each free cube of more than 8 blocks. */
 class FreeSpace {
  public:
-  /** The depth in the octree of a block of 4x4x4 voxels. */
+  /** Depth of a block of 4x4x4 voxels in the octree. */
   static constexpr unsigned kBlock = OcTreeCube::kMaxDepth - 2;
-  /** Adds a free leaf of a block or more. All that is added comes in the order of the octree. */
+  /** Adds a free leaf of at least one block. Leaves and blocks must be added in the order of the
+   * octree. */
   void addCube(const OcTreeCube& leaf);
-  /** Adds free voxels of a block. \param[in] key Of its lowest voxel. \param[in] mask Which are
-   * free, a bit for each in the order of the octree. */
+  /** Adds free voxels of a block.
+   * \param[in] key Key of the lowest voxel of the block.
+   * \param[in] mask Mask of the free voxels, one bit for each voxel in the order of the octree. */
   void addBlock(const octomap::OcTreeKey& key, uint64_t mask) { add(blockOf(key), mask); }
-  /** Makes ready for questions, when all have been added. */
+  /** Builds the index, after all additions and before the first lookup. */
   void index() {
     blocks_ = VoxelBlocks(keys_);
     keys_ = {};
   }
 
-  /** Whether a voxel is free. */
+  /** True if a voxel is free. */
   bool has(const octomap::OcTreeKey& key) const;
 
-  /** Calls `f(const OcTreeCube&)` for cubes that hold all free voxels between them: those of a side
-   * of 2^\a height voxels, but not more than four, in which at least one is free, and larger ones
-   * that are free all over. */
+  /** Calls `f(const OcTreeCube&)` for cubes that together hold all free voxels. Small cubes have a
+   * side of 2^\a height voxels, at most 4, and at least one free voxel. Larger cubes are completely
+   * free. */
   template <class F>
   void forEachCube(unsigned height, F&& f) const {
     const unsigned depth = std::max(kVoxel - std::min(height, kVoxel), kBlock);
@@ -60,7 +64,7 @@ class FreeSpace {
  private:
   static constexpr unsigned kVoxel = OcTreeCube::kMaxDepth;
 
-  struct Range {  // of voxels, in octreeOrder()
+  struct Range {  // range of voxels, in octreeOrder()
     uint64_t first, end;
   };
   static octomap::OcTreeKey blockOf(const octomap::OcTreeKey& k) {
@@ -73,10 +77,10 @@ class FreeSpace {
     masks_.push_back(mask);
   }
 
-  std::vector<octomap::OcTreeKey> keys_;  // of the blocks, until they are indexed; by four voxels
-  std::vector<uint64_t> masks_;           // of each block's voxels
-  VoxelBlocks blocks_;                    // which block lies where
-  std::vector<Range> cubes_;              // larger than eight blocks, in order
+  std::vector<octomap::OcTreeKey> keys_;  // keys of the blocks, until index()
+  std::vector<uint64_t> masks_;           // free voxels of each block
+  VoxelBlocks blocks_;                    // index of the blocks by place
+  std::vector<Range> cubes_;              // cubes of more than 8 blocks, in order
 };
 
 }  // namespace mrpt::fusion

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <mrpt/math/KDTreeCapable.h>  // brings nanoflann
+#include <mrpt/math/KDTreeCapable.h>  // includes nanoflann
 
 #include <Eigen/Core>
 #include <array>
@@ -11,11 +11,14 @@
 #include <optional>
 #include <vector>
 
+/** \file
+ * A kd-tree over descriptors with weighted axes. */
+
 namespace mrpt::fusion {
 
-/** A nanoflann kd-tree over descriptors whose axes can be weighted anew before each round of
- * queries: the squared distance is sum_d weight[d] (a[d] - b[d])^2. Its splits do not depend on the
- * weights, so one tree serves all iterations. Building is O(n log n), a query about O(log n). */
+/** A nanoflann kd-tree over descriptors. The weights of the axes can change between queries: the
+ * squared distance is sum_d weight[d] (a[d] - b[d])^2. The splits do not depend on the weights, so
+ * all iterations use the same tree. Cost: O(n log n) to build, about O(log n) for a query. */
 template <int Dim>
 class KdTree {
  public:
@@ -29,14 +32,14 @@ class KdTree {
 
   const Descriptor& point(size_t i) const { return data_.points[i]; }
 
-  /** Not to be called while a query runs. */
+  /** Sets the weights of the axes. Must not be called during a query. */
   void setWeights(const Descriptor& weights) { data_.weights = weights; }
 
   struct Nearest {
     uint32_t index;
     float squared_distance;
   };
-  /** The nearest point closer than the gate (squared, weighted), if any. */
+  /** Returns the nearest point within the gate (squared, weighted), or nothing. */
   std::optional<Nearest> nearestWithin(const Descriptor& query, float squared_gate) const {
     GatedResult result(squared_gate);
     tree_.findNeighbors(result, query.data(), nanoflann::SearchParams());
@@ -93,8 +96,8 @@ class KdTree {
     }
   };
 
-  /** nanoflann result set that keeps one point, if within the gate; ties go to the lower index, so
-   * that the answer does not depend on the tree's layout. */
+  /** nanoflann result set of the nearest point within the gate. Of points at equal distance it
+   * keeps the lower index, so the result does not depend on the layout of the tree. */
   struct GatedResult {
     explicit GatedResult(float gate) : best(gate), worst(justAbove(gate)) {}
 
@@ -103,7 +106,8 @@ class KdTree {
 
     size_t size() const { return index == kNone ? 0 : 1; }
     bool full() const { return true; }
-    /** nanoflann passes over points at this very distance; ties are to be seen. */
+    /** Returns a distance just above the best: nanoflann skips points at this exact distance, and
+     * points at equal distance must be compared. */
     float worstDist() const { return worst; }
     static float justAbove(float x) { return std::nextafter(x, std::numeric_limits<float>::max()); }
     bool addPoint(float distance, uint32_t i) {

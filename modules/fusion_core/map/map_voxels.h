@@ -14,33 +14,36 @@
 #include "fusion_core/map/voxel_blocks.h"
 
 /** \file
- * A map as the stages use it: its octree, its voxels by place, its free space. */
+ * A map as the stages use it: octree, occupied voxels, free space. */
 
 namespace mrpt::fusion {
 
-/** As the public function. In the same traversal, \param[out] free what is free: an empty one at
- * first. \param[in] map An octree. \param[in] max_voxels Most voxels to expand to. */
+/** Extracts occupied voxels as the public function, and free space in the same traversal.
+ * \param[in] map An octree.
+ * \param[in,out] free Receives the free space. Empty at first.
+ * \param[in] max_voxels Largest number of voxels. */
 OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map, FreeSpace& free,
                                      size_t max_voxels = kMaxVoxels);
 
-/** A map, and its voxels. */
+/** A map and its voxels. */
 struct MapVoxels {
   MapVoxels() = default;
-  /** Extracts the voxels. \param[in] of Shared; must not change afterwards. */
+  /** Extracts the voxels.
+   * \param[in] of The map. It is shared and must not change afterwards. */
   explicit MapVoxels(std::shared_ptr<const octomap::OcTree> of)
       : map(std::move(of)), voxels(extractOccupiedVoxels(*map, free)), occupied(voxels.key) {}
 
-  std::shared_ptr<const octomap::OcTree> map;  ///< the octree
-  FreeSpace free;                              ///< all free voxels
-  OccupiedVoxels voxels;                       ///< all occupied ones
-  VoxelBlocks occupied;                        ///< the same, by their place
+  std::shared_ptr<const octomap::OcTree> map;  ///< Octree
+  FreeSpace free;                              ///< Free voxels
+  OccupiedVoxels voxels;                       ///< Occupied voxels
+  VoxelBlocks occupied;                        ///< Index of the occupied voxels by place
 };
 
-/** The middle of some points, m; the origin if there are none. */
+/** Returns the mean of points, m; the origin without points. */
 Eigen::Vector3d meanOf(const std::vector<Eigen::Vector3f>& points);
 
-/** To take \a enough of so many voxels, or a few less, spread evenly over them (0: all), take every
- * so many-th. */
+/** Returns the stride that selects about \a enough of \a voxels evenly, never more. 0 in \a enough
+ * selects all voxels. */
 size_t strideFor(size_t voxels, size_t enough);
 
 }  // namespace mrpt::fusion

@@ -8,23 +8,23 @@
 #include "fusion_core/map/map_voxels.h"
 
 /** \file
- * What a map says of a point. */
+ * Compares an obstacle at a point with a map. */
 
 namespace mrpt::fusion {
 
-/** What a map says of an obstacle at a point. */
+/** Result of the comparison of an obstacle with a map. */
 enum class Finding : uint8_t {
-  Unknown,   ///< The map does not know the place
+  Unknown,   ///< The place is unknown, without an obstacle in the voxels around it
   Agrees,    ///< The map has an obstacle there or in a neighbouring voxel
-  Conflicts  ///< The map has seen the place free, and has no obstacle around it
+  Conflicts  ///< The place is free, without an obstacle in the voxels around it
 };
 
-/** What a map says of an obstacle at a point (m, the map's frame). Only a place seen free with
- * nothing occupied around it contradicts: half a voxel of quantisation in each map is no
- * contradiction. */
+/** Compares an obstacle at a point (m, map frame) with a map. Only free space without an occupied
+ * voxel around it is a conflict: the quantisation of both maps by half a voxel must not cause
+ * conflicts. */
 Finding findingAt(const MapVoxels& map, const Eigen::Vector3d& p);
 
-/** Whether a map has seen free space at a point, m, the map's frame. */
+/** True if a map has seen free space at a point, m, map frame. */
 bool isFree(const MapVoxels& map, const Eigen::Vector3d& p);
 
 }  // namespace mrpt::fusion

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Counts and entropies of a map's leaves. */
+ * Computes counts and entropies of a map's leaves. */
 #include <mrpt/fusion/statistics.h>
 #include <octomap/octomap_utils.h>
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Builds the index of voxels, the balls and the windows. */
 #include "fusion_core/map/voxel_blocks.h"
 
 #include <algorithm>
@@ -8,7 +10,8 @@
 namespace mrpt::fusion {
 namespace {
 
-/** The indices of keys in the octree's order; none if they are in it, as they mostly are. */
+/** Returns the indices of keys in the order of the octree. The result is empty for keys that
+ * already have this order, which is the usual case. */
 std::vector<uint32_t> inOctreeOrder(const std::vector<octomap::OcTreeKey>& keys) {
   std::vector<uint32_t> index;
   uint64_t last = 0;
@@ -27,14 +30,14 @@ std::vector<uint32_t> inOctreeOrder(const std::vector<octomap::OcTreeKey>& keys)
   return index;
 }
 
-/** Whether two are in one cube of a side of 2^depth voxels. */
+/** True if two voxels are in the same cube with a side of 2^depth voxels. */
 bool shareCube(const octomap::OcTreeKey& a, const octomap::OcTreeKey& b, int depth) {
   return ((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) >> depth == 0;
 }
 
 }  // namespace
 
-/** Adds the next cell in order; \a content is the number of what there is so far. */
+/** Adds the next cell, in order. \a content is the index of its content. */
 void VoxelBlocks::add(Cells& cells, Ranks& ranks, int cell, uint32_t content) {
   if (!cells.mask) cells.first = content;
   cells.mask |= uint64_t{1} << cell;
@@ -82,10 +85,10 @@ VoxelBlocks::VoxelBlocks(const std::vector<octomap::OcTreeKey>& keys)
 }
 
 void VoxelBlocks::linkBlocks() {
-  static const Ball beside(1.8);  // among groups what it is among blocks
+  static const Ball beside(1.8);  // here in blocks: the blocks around a block
   beside_.resize(blocks_.size());
   Place group{};
-  std::array<const Slot*, 27> groups{};  // it and those around it, x fastest
+  std::array<const Slot*, 27> groups{};  // the group and its 26 neighbours, x fastest
   for (uint32_t b = 0; b < blocks_.size(); b++) {
     const auto& [x, y, z] = places_[b];
     const Place own{x >> 2, y >> 2, z >> 2};
@@ -117,15 +120,15 @@ VoxelBlocks::Ball::Ball(double radius, double beyond)
   std::vector<int> root(static_cast<size_t>(most) + 1);
   for (size_t i = 0; i < root.size(); i++)
     root[i] = static_cast<int>(std::sqrt(static_cast<double>(i)));
-  // How far an axis reaches if the other two have used up so much of a squared radius.
+  // The largest whole coordinate on an axis if the other two axes use \a used of the squared
+  // radius.
   const auto left = [&](int squared, int used) {
     return squared < used ? -1 : root[static_cast<size_t>(squared - used)];
   };
   masks_.assign(64 * static_cast<size_t>(std::pow(2 * reach_ + 1, 3)), 0);
-  // Row by row: what an axis has left of the radius when the other two have used theirs.
+  // Fills the masks row by row along x.
   const size_t side = 2 * static_cast<size_t>(reach_) + 1;
-  std::vector<uint64_t> along(4 *
-                              side);  // of a row, from each x: those of the blocks that it meets
+  std::vector<uint64_t> along(4 * side);  // masks of a row from each x, by block
   for (int dz = -radius_; dz <= radius_; dz++)
     for (int dy = -radius_; dy <= radius_; dy++) {
       const int far = left(most, dy * dy + dz * dz), near = left(least, dy * dy + dz * dz);
@@ -178,7 +181,7 @@ VoxelBlocks::Surroundings::Surroundings(const VoxelBlocks& blocks, double radius
       high[axis] = std::max(high[axis], place[axis]);
     }
   constexpr double kMostPerBlock = 32;
-  constexpr unsigned kWholeTree = 18;  // doublings
+  constexpr unsigned kWholeTree = 18;  // largest shift_
   const double most = kMostPerBlock * static_cast<double>(blocks.blocks_.size() + 1000);
   int reach = 0;
   const auto cubes = [&] {
@@ -201,7 +204,7 @@ VoxelBlocks::Surroundings::Surroundings(const VoxelBlocks& blocks, double radius
     };
     near_[at(2) * layer + at(1) * row + at(0)] = 1;
   }
-  // Along one axis after the other; what passes the end of a row is none, it ends in empty cubes.
+  // Spreads along each axis in turn. Nothing passes the end of a row: rows end in empty cubes.
   for (const size_t step : {size_t{1}, row, layer}) {
     const std::vector<uint8_t> from = near_;
     for (size_t far = step; far <= static_cast<size_t>(reach) * step; far += step)

@@ -11,10 +11,13 @@
 
 #include "fusion_base/bits.h"
 
+/** \file
+ * Index of voxels by place, in blocks of 4x4x4 voxels. */
+
 namespace mrpt::fusion {
 
 namespace detail {
-/** Every third bit, from bit 0 on, is one of the 16 given. */
+/** Spreads 16 bits to every third bit, from bit 0 on. */
 inline uint64_t spread16(uint64_t v) {
   v = (v | v << 16U) & 0x0000FF0000FFULL;
   v = (v | v << 8U) & 0x00F00F00F00FULL;
@@ -23,55 +26,58 @@ inline uint64_t spread16(uint64_t v) {
 }
 }  // namespace detail
 
-/** Place of a finest voxel among the leaves of an octree, in the order of their traversal. */
+/** Returns the number of a finest voxel in the order of the octree's traversal. */
 inline uint64_t octreeOrder(const octomap::OcTreeKey& key) {
   return detail::spread16(key[0]) | detail::spread16(key[1]) << 1U | detail::spread16(key[2]) << 2U;
 }
 
-/** Finds the voxels around places by their keys: blocks of 4x4x4 voxels and groups of 4x4x4 blocks,
- * each a mask of 64 bits in the octree's order, and a hash of the groups.
+/** Finds the voxels around a place. The index has blocks of 4x4x4 voxels and groups of 4x4x4
+ * blocks. Each has a mask of 64 bits in the order of the octree. A hash table holds the groups.
  *
- * What is within a radius is an AND with the masks of a ball, so that only what is there costs
- * time. A block knows those beside it: around a place in one that is there, nothing is looked up.
- * Memory: 200 bytes per occupied block (a wall fills a quarter of its blocks), 4 per voxel. */
+ * A query ANDs the masks of the blocks with the masks of a ball, so only existing voxels cost time.
+ * Each block stores the indices of its 26 neighbours: around a place in an existing block no hash
+ * lookup is needed. Memory: 200 bytes per occupied block (a wall occupies 25 % of the voxels of its
+ * blocks), 4 bytes per voxel. */
 class VoxelBlocks {
  public:
-  /** Voxel i is known as i; keys must differ, in any order. O(n) in the order of an octree's leaves
-   * (as of OccupiedVoxels), O(n log n) otherwise. */
+  /** Voxel i has the index i in all results. Cost: O(n) for keys in the order of an octree's leaves
+   * (as in OccupiedVoxels), otherwise O(n log n).
+   * \param[in] keys Distinct keys, in any order. */
   explicit VoxelBlocks(const std::vector<octomap::OcTreeKey>& keys = {});
 
-  /** Whole voxels along each axis: a key that may lie outside of the key range. */
+  /** Coordinates in voxels. They may lie outside of the range of keys. */
   using Place = std::array<int, 3>;
-  using Offset = std::array<int, 3>;  ///< from one place to another
-  /** Of a bit of a block's mask: its cell's, 0 to 3. */
+  using Offset = std::array<int, 3>;  ///< Difference of two places, voxels
+  /** Returns the coordinates of a cell in its block, 0 to 3, from its bit in the mask. */
   static constexpr Offset coordinatesOf(int cell) { return {xOf(cell), yOf(cell), zOf(cell)}; }
-  /** The bit of a block's mask, by (the last two bits of) coordinates. */
+  /** Returns the bit of a cell in its block's mask, from the last two bits of the coordinates. */
   static constexpr int cellOf(int x, int y, int z) {
     return spread(x) | spread(y) << 1 | spread(z) << 2;
   }
 
-  /** All offsets longer than one radius and at most as long as another (voxels), as masks: for each
-   * cell of a block, which cells of the blocks around it. Memory: 512 bytes times
+  /** Set of all offsets longer than one radius and at most as long as another radius, voxels. For
+   * each cell of a block it stores the masks of the blocks around. Memory: 512 bytes times
    * (radius / 2 + 3)^3. */
   class Ball {
    public:
-    /** Offsets longer than \a beyond (negative: zero included), up to \a radius; voxels. */
+    /** Makes the set of offsets longer than \a beyond, up to \a radius, voxels. If \a beyond is
+     * negative, the set includes the offset 0. */
     explicit Ball(double radius, double beyond = -1);
 
    private:
     friend class VoxelBlocks;
-    struct Part {  // what is in one of the blocks beside a cell's own
+    struct Part {  // part of the ball in one block
       uint64_t mask;
       uint8_t beside;
-      std::array<int8_t, 3> lowest;  // cell of that block, from the one that is asked for
+      std::array<int8_t, 3> lowest;  // offset of that block's lowest cell from the query's cell
     };
-    int radius_;                   // in whole voxels
-    int reach_;                    // in blocks
-    std::vector<uint64_t> masks_;  // of each cell in turn, of each block around, x fastest
-    std::vector<Part> parts_;      // of each cell in turn, none empty; none if it reaches farther
-    std::array<size_t, 65> part_;  // the first of each cell, and their number
+    int radius_;                   // radius, whole voxels
+    int reach_;                    // radius, blocks
+    std::vector<uint64_t> masks_;  // masks by cell, then by block around, x fastest
+    std::vector<Part> parts_;      // non-empty parts by cell; no parts if reach_ > 1
+    std::array<size_t, 65> part_;  // first part of each cell; last: number of parts
 
-    /** Of the block at an offset from a cell's own. */
+    /** Returns the index in masks_ of the block at an offset (blocks) from a cell's own block. */
     size_t index(size_t cell, int x, int y, int z) const {
       const int side = 2 * reach_ + 1;
       return cell * static_cast<size_t>(side * side * side) +
@@ -80,17 +86,18 @@ class VoxelBlocks {
     uint64_t of(size_t cell, int x, int y, int z) const { return masks_[index(cell, x, y, z)]; }
   };
 
-  /** Calls `f(j, offset)` for each voxel j within the ball around a place, occupied or not, in an
-   * order that depends on the keys alone. */
+  /** Calls `f(j, offset)` for each voxel j within the ball around a place. The place need not hold
+   * a voxel. The order depends only on the keys. */
   template <class F>
   void forEachAround(const Place& place, const Ball& ball, F&& f) const;
 
-  /** The same by block: calls `f(cells, offset)` for each that has voxels in the ball, the mask of
-   * the cells that hold them and the offset of the block's lowest cell, until f returns true. */
+  /** Calls `f(cells, offset)` for each block with voxels within the ball around a place, until f
+   * returns true. \a cells is the mask of these voxels, \a offset is the offset of the block's
+   * lowest cell. */
   template <class F>
   void forEachBlockAround(const Place& place, const Ball& ball, F&& f) const;
 
-  /** The voxel at a place, if there is one. */
+  /** Returns the voxel at a place, or nothing. */
   std::optional<uint32_t> at(const Place& place) const {
     const auto [x, y, z] = place;
     const uint32_t block = blockAt(x >> 2, y >> 2, z >> 2);
@@ -106,30 +113,32 @@ class VoxelBlocks {
   /** True if there is a voxel within the ball around a place. */
   bool anyAround(const Place& place, const Ball& ball) const;
 
-  /** Answers quickly whether voxels near a place are there: it looks up each block around it once,
-   * when first asked for what it holds. Not for several threads. */
+  /** Fast access to the voxels around a place. It looks up each block at most once per place, at
+   * the first access. Each thread needs its own window. */
   class Window {
    public:
-    /** Over \a blocks, which must outlive it; \a reach: how far from the place it sees along each
-     * axis, voxels. */
+    /** \param[in] blocks The index; must outlive the window.
+     * \param[in] reach Half width of the window along each axis, voxels. */
     Window(const VoxelBlocks& blocks, int reach);
-    /** Looks around another place from now on. */
+    /** Moves the window to another place. */
     void moveTo(const Place& place);
-    /** \param[in] offset From the place; within reach along each axis. */
+    /** True if there is a voxel.
+     * \param[in] offset Offset from the place, within reach along each axis. */
     bool has(const Offset& offset) {
       const int x = at_[0] + offset[0], y = at_[1] + offset[1], z = at_[2] + offset[2];
       return maskOf(x >> 2, y >> 2, z >> 2) >> cellOf(x, y, z) & 1U;
     }
-    /** Calls `f(offset)` for each voxel within the ball around an offset that it sees all of. */
+    /** Calls `f(offset)` for each voxel within the ball around an offset. The ball must lie within
+     * the window. */
     template <class F>
     void forEachAround(const Offset& offset, const Ball& ball, F&& f);
 
    private:
     struct Seen {
       uint64_t mask = 0;
-      uint32_t from = 0;  // the place that it was looked up from, of all places
+      uint32_t from = 0;  // number of the moveTo() call for which mask is valid
     };
-    /** Of a block, counted from the lowest one. */
+    /** Returns the mask of a block, by its coordinates from the lowest block of the window. */
     uint64_t maskOf(int x, int y, int z) {
       const int block = (z * side_ + y) * side_ + x;
       Seen& seen = seen_[static_cast<size_t>(block)];
@@ -138,20 +147,21 @@ class VoxelBlocks {
       return seen.mask;
     }
     const VoxelBlocks& blocks_;
-    int reach_, side_;        // blocks: on each side of the place's own, and in all
-    Place at_{}, low_{};      // from the lowest cell of the lowest block; and that block
-    uint32_t places_ = 0;     // so far
-    std::vector<Seen> seen_;  // of the blocks, x fastest
+    int reach_, side_;        // blocks on each side of the place's block; blocks along an axis
+    Place at_{}, low_{};      // place from the lowest cell of the lowest block; that block
+    uint32_t places_ = 0;     // number of moveTo() calls
+    std::vector<Seen> seen_;  // blocks of the window, x fastest
   };
 
-  /** Tells at once of most places with no voxel near that there is none. A byte for each block
-   * within the box of all, or for a larger cube where the voxels lie far apart; at most 32 times as
-   * many as blocks that are there. */
+  /** Coarse map of the places that have a voxel within a radius. It rejects most other places with
+   * one lookup. Memory: 1 byte for each block in the bounding box of the voxels. If the voxels lie
+   * far apart, it uses larger cubes than blocks: at most 32 bytes per existing block. */
   class Surroundings {
    public:
-    Surroundings() = default;  ///< of no voxels
-    /** O(its memory), and of the blocks.
-     * \param[in] blocks Not kept. \param[in] radius Voxels. */
+    Surroundings() = default;  ///< Map without voxels
+    /** Cost: O(memory + blocks).
+     * \param[in] blocks The index; not kept.
+     * \param[in] radius The radius, voxels. */
     Surroundings(const VoxelBlocks& blocks, double radius);
     /** False only if no voxel is within the radius of a place. */
     bool mayReach(const Place& place) const {
@@ -165,42 +175,42 @@ class VoxelBlocks {
     }
 
    private:
-    unsigned shift_ = 2;         // a cube's side is so many doublings of a voxel
-    Place low_{}, size_{};       // cubes
-    std::vector<uint8_t> near_;  // x fastest
+    unsigned shift_ = 2;         // a cube's side is 2^shift_ voxels
+    Place low_{}, size_{};       // lowest cube, and size of the box, cubes
+    std::vector<uint8_t> near_;  // 1 for cubes near a voxel, x fastest
   };
 
  private:
   static constexpr uint32_t kNone = ~uint32_t{0};
 
-  /** Which of 64 cells are there; what they hold lies in their order, one after the other. */
+  /** Mask of the existing cells of 64. Their contents are consecutive, in this order. */
   struct Cells {
     uint64_t mask = 0;
     uint32_t first = kNone;
   };
-  using Ranks = std::array<uint8_t, 64>;    // of each cell among those that are there
-  using Beside = std::array<uint32_t, 27>;  // the blocks around one, x fastest, or kNone
-  /** The index of one of those around a block, by its offset. */
+  using Ranks = std::array<uint8_t, 64>;    // rank of each cell among the existing cells
+  using Beside = std::array<uint32_t, 27>;  // blocks around a block, x fastest, or kNone
+  /** Returns the index in Beside of a block's neighbour, by its offset (blocks). */
   static constexpr size_t besideOf(int x, int y, int z) {
     const int index = (z + 1) * 9 + (y + 1) * 3 + x + 1;
     return static_cast<size_t>(index);
   }
-  struct Slot : Cells {  // a group, of blocks_
+  struct Slot : Cells {  // a group; its cells are blocks
     uint64_t key = 0;
   };
-  /** Coordinates of a cell. */
+  /** Coordinate of a cell in its block. */
   static constexpr int xOf(int cell) { return (cell & 1) | (cell >> 2 & 2); }
   static constexpr int yOf(int cell) { return xOf(cell >> 1); }
   static constexpr int zOf(int cell) { return xOf(cell >> 2); }
   static constexpr int spread(int b) { return (b & 3) * 5 & 9; }  // bit 1 becomes bit 3
   static void add(Cells& cells, Ranks& ranks, int cell, uint32_t content);
-  /** Which voxel is the n-th in the order of the octree. */
+  /** Returns the index of the n-th voxel in the order of the octree. */
   uint32_t voxelAt(uint32_t n) const { return voxels_.empty() ? n : voxels_[n]; }
-  /** Which voxel, in that order, a block's cell holds. */
+  /** Returns the number of a cell's voxel, in the order of the octree. */
   uint32_t contentOf(uint32_t block, int cell) const {
     return blocks_[block].first + ranks_[block][static_cast<size_t>(cell)];
   }
-  /** Which block a group's cell holds. */
+  /** Returns the block in a cell of a group. */
   uint32_t contentOf(const Slot& group, int cell) const {
     return group.first +
            slot_ranks_[static_cast<size_t>(&group - slots_.data())][static_cast<size_t>(cell)];
@@ -212,7 +222,7 @@ class VoxelBlocks {
     return part(x) | part(y) << 20U | part(z) << 40U;
   }
   static uint64_t hash(uint64_t key) { return (key * 0x9E3779B97F4A7C15ULL) >> 32U; }
-  /** The group at a place (groups), or null. */
+  /** Returns the group at a place (groups), or null. */
   const Slot* find(int x, int y, int z) const {
     const uint64_t key = keyOf(x, y, z);
     for (size_t slot = hash(key) & slot_mask_;; slot = (slot + 1) & slot_mask_) {
@@ -220,44 +230,45 @@ class VoxelBlocks {
       if (slots_[slot].key == key) return &slots_[slot];
     }
   }
-  /** The block at a place (blocks), or kNone. */
+  /** Returns the block at a place (blocks), or kNone. */
   uint32_t blockAt(int x, int y, int z) const {
     const Slot* group = find(x >> 2, y >> 2, z >> 2);
     const int cell = cellOf(x, y, z);
     return group && (group->mask >> cell & 1U) ? contentOf(*group, cell) : kNone;
   }
-  /** Of the block at a place (blocks). */
+  /** Returns the mask of the block at a place (blocks). */
   uint64_t maskAt(int x, int y, int z) const {
     const uint32_t block = blockAt(x, y, z);
     return block == kNone ? 0 : blocks_[block].mask;
   }
-  /** Calls `f(block)` for the blocks from one place to another (blocks), both included, until f
-   * returns true. */
+  /** Calls `f(block)` for the existing blocks in the box from \a low to \a high (blocks, both
+   * included), until f returns true. */
   template <class F>
   void forEachBlock(const Place& low, const Place& high, F&& f) const;
-  /** Calls `f(block, found, lowest)` for the blocks with voxels in the ball around a place, the
-   * mask of these and the offset of the block's lowest cell, until f returns true. */
+  /** Calls `f(block, found, lowest)` for the blocks with voxels within the ball around a place,
+   * until f returns true. \a found is the mask of these voxels, \a lowest is the offset of the
+   * block's lowest cell. */
   template <class F>
   void forEachPart(const Place& place, const Ball& ball, F&& f) const;
-  /** The cells of a cube whose coordinate along an axis is in [low, high], cut to the cube. */
+  /** Returns the mask of the cells whose coordinate along an axis is in [low, high]. The range is
+   * clipped to the block. */
   static uint64_t range(unsigned axis, int low, int high) {
     return kLess[axis][std::clamp(high, -1, 3) + 1] & ~kLess[axis][std::clamp(low, 0, 4)];
   }
-  /** Of each axis, the cells whose coordinate is less than 0 to 4. */
+  /** Masks of the cells whose coordinate is below 0, 1, 2, 3 and 4, for each axis. */
   static constexpr uint64_t kLess[3][5] = {
       {0, 0x0055005500550055, 0x00FF00FF00FF00FF, 0x55FF55FF55FF55FF, ~uint64_t{0}},
       {0, 0x0000333300003333, 0x0000FFFF0000FFFF, 0x3333FFFF3333FFFF, ~uint64_t{0}},
       {0, 0x000000000F0F0F0F, 0x00000000FFFFFFFF, 0x0F0F0F0FFFFFFFFF, ~uint64_t{0}}};
 
-  // The blocks, in the order of the octree: what most questions are answered by lies close
-  // together.
-  std::vector<Cells> blocks_;     // of the voxels
-  std::vector<Ranks> ranks_;      // of each block's
-  std::vector<Beside> beside_;    // of each
-  std::vector<Place> places_;     // the key of each, in blocks
-  std::vector<uint32_t> voxels_;  // of all blocks; none: they are in the octree's order
+  // Blocks are in the order of the octree: the data of most queries is close together in memory.
+  std::vector<Cells> blocks_;     // cells of each block
+  std::vector<Ranks> ranks_;      // ranks of each block's cells
+  std::vector<Beside> beside_;    // neighbours of each block
+  std::vector<Place> places_;     // place of each block, blocks
+  std::vector<uint32_t> voxels_;  // voxels in the octree's order; empty: the keys were in order
   std::vector<Slot> slots_;
-  std::vector<Ranks> slot_ranks_;  // of each group's blocks
+  std::vector<Ranks> slot_ranks_;  // ranks of each group's cells
   uint64_t slot_mask_ = 0;
 };
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Builds the grid and the balls of the nearest-voxel search. */
 #include "fusion_core/map/voxel_search.h"
 
 #include <algorithm>
@@ -9,11 +11,12 @@
 namespace mrpt::fusion {
 
 namespace {
-constexpr double kKeys = 65536;  // along an axis
+constexpr double kKeys = 65536;  // number of keys along an axis
 constexpr double kRounding = 1e-2;
 
-/** How much nearer than its cell a point can be, cells. \param[in] off_centre Of its cell's middle.
- */
+/** Largest difference between the length of a cell's offset and the distance of a point in the
+ * cell, cells. \a off_centre is the largest distance of a point from the centre of its cell,
+ * cells. */
 double slackOf(double off_centre) { return std::sqrt(0.75) + off_centre + kRounding; }
 }  // namespace
 
@@ -49,7 +52,7 @@ void VoxelSearch::build(double cell) {
   cell_ = static_cast<float>(cell);
   const auto origin = static_cast<float>(0.5 * kKeys * cell);
   if (low_.minCoeff() >= -origin && high.maxCoeff() < origin)
-    low_.setConstant(-origin);  // an octree's voxels keep their keys, and so their order
+    low_.setConstant(-origin);  // voxels of an octree keep their keys, and so their order
   else
     low_ -= Eigen::Vector3f::Constant(0.5F * cell_);
 
@@ -66,7 +69,7 @@ void VoxelSearch::build(double cell) {
 
   std::vector<uint64_t> order(points.size());
   std::transform(keys.begin(), keys.end(), order.begin(), octreeOrder);
-  // The first two that are not one after the other, in different cells.
+  // The first two points that are not in the order of the octree, or share a cell.
   const auto together =
       std::adjacent_find(order.begin(), order.end(), std::greater_equal<uint64_t>());
   if (together == order.end()) {
@@ -92,11 +95,11 @@ void VoxelSearch::build(double cell) {
 void VoxelSearch::prepare(double gate) {
   if (gate <= gate_) return;
   gate_ = gate;
-  constexpr double kBeside = 1.8;  // the 26 cells around one: where most answers are
-  // With wide gates a fine grid is mostly empty cells to look into.
+  constexpr double kBeside = 1.8;  // the 26 cells around a cell: they hold most results
+  // A fine grid has too many empty cells within a wide gate.
   constexpr double kMostCells = 12;
   if (gate > kMostCells * cell_) build(gate / kMostCells);
-  constexpr double kGrowth = 1.75;  // the second is for two cells, the least gate of voxel pairs
+  constexpr double kGrowth = 1.75;  // so the second ball reaches the least gate, 2 cells
   const double radius = gate / cell_ + kBeyond + slack_;
   if (!rings_.empty() && prepared_ >= radius) return;
   while (rings_.empty() || prepared_ < radius) {

@@ -10,47 +10,55 @@
 
 #include "fusion_core/map/voxel_blocks.h"
 
+/** \file
+ * Search for the nearest voxel. */
+
 namespace mrpt::fusion {
 
-/** Finds the nearest of many points that lie on a grid, or nearly one to a cell: it looks around
- * the place asked for, then as far as needed, and needs no walk down a tree. Building is O(n), a
- * query costs what lies within the distance of its answer. */
+/** Finds the nearest of many points that lie on a grid, with about one point in each cell. A query
+ * looks at the cells around its point, then as far as needed. It does not descend a tree.
+ * Cost: O(n) to build; a query costs the number of points within the distance of its result. */
 class VoxelSearch {
  public:
-  /** \param[in] points Metres; must outlive the search. \param[in] cell Side of the grid's cells,
-   * m; any, if not positive. Fastest where it is the grid of the points. */
+  /** \param[in] points Points, m; must outlive the search.
+   * \param[in] cell Side of the cells of the grid, m. If not positive, the search chooses it. The
+   * search is fastest with the grid of the points. */
   VoxelSearch(const std::vector<Eigen::Vector3f>& points, double cell);
-  /** For the voxels of an octree, which are indexed already.
-   * \param[in] voxels Their middles, m. \param[in] resolution Of the octree, m. \param[in] blocks
-   * Of their keys, in the same order. All must outlive the search. */
+  /** Uses an existing index of the voxels of an octree. All arguments must outlive the search.
+   * \param[in] voxels Centres of the voxels, m.
+   * \param[in] resolution Resolution of the octree, m.
+   * \param[in] blocks Index of the keys of the voxels, in the same order. */
   VoxelSearch(const std::vector<Eigen::Vector3f>& voxels, double resolution,
               const VoxelBlocks& blocks);
   VoxelSearch(const VoxelSearch&) = delete;
   VoxelSearch& operator=(const VoxelSearch&) = delete;
 
-  /** Makes ready for queries up to a distance, m, on a coarser grid if need be: queries from there
-   * tell of the others a little beyond it. Not while a query runs. */
+  /** Prepares for queries up to a distance \a gate, m. A wide gate may need a coarser grid. The
+   * bound Nearest::others then reaches a little beyond the gate. Must not be called during a
+   * query. */
   void prepare(double gate);
-  /** The widest that has been prepared for, m; negative: none. */
+  /** Largest prepared gate, m; negative: none. */
   double gate() const { return gate_; }
 
   static constexpr uint32_t kNone = ~uint32_t{0};
 
   struct Nearest {
     uint32_t index = kNone;
-    float distance;  ///< squared, with what \a extra adds, m^2
-    /** All other points are at least as far by distance alone, squared, m^2. */
+    float distance;  ///< Squared distance plus \a extra, m^2
+    /** Lower bound on the squared distance, without extra, of all other points, m^2. */
     float others = std::numeric_limits<float>::infinity();
   };
-  /** The point of the least distance below best.distance; of two as near the one of lower index.
-   * \param[in] best With what to begin: how far to look (squared, m^2; at most the gate prepared
-   * for), and a point of that distance, if one is known.
-   * \param[in] extra (index) -> what to add to a point's squared distance, m^2, not negative. */
+  /** Returns the point of the least distance below best.distance. Of points at equal distance it
+   * returns the point with the lower index.
+   * \param[in] p The query point, m.
+   * \param[in] best Start of the search: the largest distance (squared, m^2; at most the prepared
+   * gate), and a point of that distance, if known.
+   * \param[in] extra (index) -> addition to the point's squared distance, m^2, not negative. */
   template <class Extra>
   Nearest nearest(const Eigen::Vector3f& p, Nearest best, Extra&& extra) const {
     const Eigen::Vector3f place = (p - low_) / cell_;
     if (!(place.cwiseAbs().maxCoeff() < kFarthestPlace)) {
-      best.others = 0;  // none of them has been looked at
+      best.others = 0;  // no point was compared
       return best;
     }
     const VoxelBlocks::Place at{floorOf(place.x()), floorOf(place.y()), floorOf(place.z())};
@@ -80,8 +88,8 @@ class VoxelSearch {
     look(rings_.front());
     const Ring* last = &rings_.front();
     if (best.distance >= last->sure) {
-      // The narrowest that holds all that could be nearer still, and a little more: what is known
-      // of the others then tells of places nearby, too.
+      // The narrowest ring that holds all points that can be nearer, and a margin: the bound on the
+      // other points is then useful at places nearby, too.
       const float far = std::sqrt(best.distance) + kBeyond * cell_;
       size_t wide = 1;
       while (wide + 1 < rings_.size() && rings_[wide].sure <= far * far) wide++;
@@ -92,12 +100,12 @@ class VoxelSearch {
   }
 
  private:
-  static constexpr float kBeyond = 0.25F;        // cells
-  static constexpr float kFarthestPlace = 1e6F;  // cells; the grid has 2^16
+  static constexpr float kBeyond = 0.25F;        // margin, cells
+  static constexpr float kFarthestPlace = 1e6F;  // cells; the grid has 2^16 along an axis
 
   struct Ring {
-    VoxelBlocks::Ball ball;  ///< the first is whole, the others are what lies beyond it
-    float sure;              ///< points nearer than this (squared, m^2) lie within the radius
+    VoxelBlocks::Ball ball;  ///< Cells of the ring; the first ring is a whole ball
+    float sure;              ///< Squared distance below which all points lie in the ball, m^2
   };
   static int floorOf(float x) {
     const int i = static_cast<int>(x);
@@ -109,14 +117,14 @@ class VoxelSearch {
   const std::vector<Eigen::Vector3f>& points_;
   Eigen::Vector3f low_ = Eigen::Vector3f::Zero();
   float cell_ = 1;
-  double slack_ = 0;     // cells: how much nearer a point can be than its cell's offset is long
-  double prepared_ = 0;  // the largest radius, cells
-  double gate_ = -1;     // m
-  VoxelBlocks own_;      // if none are given
-  const VoxelBlocks* blocks_ = &own_;    // cells that hold points
-  std::vector<uint32_t> first_, point_;  // the points of each cell; none: one in each, in order
+  double slack_ = 0;     // largest offset length minus distance of a point in a cell, cells
+  double prepared_ = 0;  // largest prepared radius, cells
+  double gate_ = -1;     // largest prepared gate, m
+  VoxelBlocks own_;      // used if the caller gives no index
+  const VoxelBlocks* blocks_ = &own_;    // index of the cells with points
+  std::vector<uint32_t> first_, point_;  // points of each cell; empty: one point per cell
   std::vector<Ring> rings_;
-  VoxelBlocks::Surroundings surroundings_;  // as far as the last ring
+  VoxelBlocks::Surroundings surroundings_;  // up to the radius of the last ring
 };
 
 }  // namespace mrpt::fusion

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Extracts occupied and free voxels from an octree. */
 #include <octomap/octomap_utils.h>
 
 #include <algorithm>
@@ -14,14 +16,14 @@
 namespace mrpt::fusion {
 namespace {
 
-/** One walk through an octree, for its occupied voxels and what is free. */
+/** One traversal of an octree that collects occupied and free voxels. */
 class Extraction {
  public:
-  /** \param[out] free What is free; null: not asked for. */
+  /** \param[out] free Receives the free space; may be null. */
   Extraction(const octomap::OcTree& map, size_t max_voxels, FreeSpace* free)
       : map_(map), max_voxels_(max_voxels), free_(free) {
     voxels_.resolution = map.getResolution();
-    // More than most maps have, so that the arrays need not grow; what stays unused is not touched.
+    // More than most maps need, so that the arrays do not grow. Unused memory is not touched.
     const size_t enough = map.size() / 4;
     voxels_.centre.reserve(enough);
     voxels_.probability.reserve(enough);
@@ -45,8 +47,8 @@ class Extraction {
         if (map_.nodeChildExists(&node, i)) walk(*map_.getNodeChild(&node, i), cube.child(i));
   }
 
-  /** Through a block of 4x4x4 voxels: most leaves are in one that is not free all over, and cost a
-   * bit of a mask there instead of a cube each. */
+  /** Collects the voxels of a block of 4x4x4 voxels. Most leaves are in blocks that are not
+   * completely free. There a leaf costs one bit of a mask instead of a cube. */
   void walkBlock(const octomap::OcTreeNode& node, const OcTreeCube& block) {
     uint64_t free = 0;
     for (unsigned i = 0; i < 8; i++) {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Merges two octrees voxel by voxel. */
 #include <mrpt/fusion/merging.h>
 
 #include <algorithm>
@@ -16,7 +18,7 @@ double clampedProbability(double p) { return std::clamp(p, 1e-6, 1 - 1e-6); }
 double probabilityOf(float log_odds) { return octomap::probability(log_odds); }
 float logOddsOf(double p) { return octomap::logodds(clampedProbability(p)); }
 
-/** Walks two trees of one grid side by side. A pruned leaf stands for all the cubes below it. */
+/** Traverses two octrees on the same grid together. A pruned leaf counts as all cubes in it. */
 class MergeVisitor {
  public:
   struct State {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Keys, ranges and meanings of the parameters of merging. */
+ * Lists keys, ranges and meanings of the parameters of merging. */
 #include "fusion_core/merge/parameters.h"
 
 namespace mrpt::fusion {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * From two prepared maps to a pose and a verdict. */
+ * Aligns two prepared maps, and evaluates given poses. */
 #include <mrpt/core/exceptions.h>
 #include <mrpt/fusion/alignment.h>
 #include <mrpt/system/CTicTac.h>
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "fusion_core/features/features.h"
@@ -35,6 +36,17 @@ Alignment sizesOf(const MapFeatures& a, const MapFeatures& b) {
   return result;
 }
 
+/** Stages count voxels by int: refuses poses and voxel sizes with which that is not enough. */
+void checkReach(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
+                const std::string& what) {
+  constexpr double kGridSide = 65536, kLargestRatio = 1000;
+  const double voxel_a = a.voxels.resolution, voxel_b = b.voxels.resolution;
+  ASSERTMSG_(std::max(voxel_a, voxel_b) <= kLargestRatio * std::min(voxel_a, voxel_b),
+             "the voxels of one map are more than 1000 times as wide as those of the other");
+  ASSERTMSG_(T_a_b.translation().cwiseAbs().maxCoeff() <= kGridSide * (voxel_a + voxel_b),
+             what + " is farther away than the maps can reach");
+}
+
 }  // namespace
 
 mrpt::poses::CPose3DPDFGaussian Alignment::pose() const {
@@ -44,7 +56,7 @@ mrpt::poses::CPose3DPDFGaussian Alignment::pose() const {
 mrpt::poses::CPose3DPDFSOG Alignment::hypotheses() const {
   std::vector<RankedPose> possible = match.hypotheses;
   while (!possible.empty() && possible.back().agreement <= 0)
-    possible.pop_back();  // no weight can be zero
+    possible.pop_back();  // the logarithm needs a positive agreement
   mrpt::poses::CPose3DPDFSOG modes(possible.size());
   std::transform(possible.begin(), possible.end(), modes.begin(), [](const RankedPose& h) {
     mrpt::poses::CPose3DPDFSOG::TGaussianMode mode;
@@ -64,6 +76,7 @@ Alignment align(const PreparedMap& map_a, const PreparedMap& map_b, const Prior&
   const MapFeatures& b = by_edges ? map_b.featuresByEdges() : map_b.features();
   ASSERTMSG_(a.voxels.size() > 0, "map A has no occupied voxel");
   ASSERTMSG_(b.voxels.size() > 0, "map B has no occupied voxel");
+  checkReach(a, b, guess, "the initial guess");
 
   mrpt::system::CTicTac clock;
   Alignment result = sizesOf(a, b);
@@ -89,8 +102,10 @@ Alignment evaluate(const PreparedMap& map_a, const PreparedMap& map_b,
   map_b.wholeMap();
   mrpt::system::CTicTac clock;
   const MapFeatures &a = map_a.features(), &b = map_b.features();
+  const Eigen::Isometry3d T_a_b = toEigen(pose);
+  checkReach(a, b, T_a_b, "the pose");
   Alignment result = sizesOf(a, b);
-  result.match = matchAt(a, b, toEigen(pose), options);
+  result.match = matchAt(a, b, T_a_b, options);
   result.evaluation = verify(a, b, options, result.match);
   result.seconds_evaluation = secondsSince(clock);
   return result;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Leads a pair of maps through the stages, from starts to a pose. */
+ * Runs the stages of a match: search, ranking, registration. */
 #include "fusion_core/pair/match.h"
 
 #include <tbb/parallel_invoke.h>
@@ -18,8 +18,7 @@
 namespace mrpt::fusion {
 namespace {
 
-/** The search that the options ask for. \param[in] few_b Some of B's voxels, about one to a cell.
- */
+/** Runs the search of the options. \a few_b holds some of B's voxels, about one in each cell. */
 std::vector<Hypothesis> searchedStarts(const MapFeatures& a, const SurfaceVoxels& few_b,
                                        const Eigen::Isometry3d& T_a_b, const SearchParams& search) {
   return search.isEverywhere() && search.rotations == SearchRotations::All
@@ -27,7 +26,8 @@ std::vector<Hypothesis> searchedStarts(const MapFeatures& a, const SurfaceVoxels
              : searchAround(a, a.matched.surfaces, few_b, T_a_b, search);
 }
 
-/** Fewer starts: the best by few voxels. Comparing all by many would be most of the work. */
+/** Returns the best starts by few voxels. A comparison of all starts by many voxels would dominate
+ * the cost of the match. */
 std::vector<Eigen::Isometry3d> bestByFew(const PoseComparison& by_few,
                                          const std::vector<Eigen::Isometry3d>& starts,
                                          size_t most) {
@@ -50,8 +50,8 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
   if (isEmpty(a, b) || options.search.translation <= 0)
     return matchTwoLevel(a, b, T_a_b, registration, options.evaluation.voxels, on_iteration);
 
-  // 1. Starts: the guess through the edge level, and a search around it. What compares them is made
-  // meanwhile.
+  // 1. Starts: the guess after the edge level, and a search around the guess. The comparison is
+  // prepared at the same time.
   MatchResult result;
   result.T_a_b = T_a_b;
   const ComparisonParams comparison = comparisonOf(options);
@@ -76,15 +76,16 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
   for (const Hypothesis& h : found) starts.push_back(h.T_a_b);
   if (starts.empty()) starts.push_back(T_a_b);
 
-  // 2. Ranking: all starts by few voxels, the best by many, rivals of the best by more.
+  // 2. Ranking: all starts by few voxels, the best starts by many voxels, the rivals of the best
+  // pose by more voxels.
   if (starts.size() > ranking.max_starts)
     starts = bestByFew(PoseComparison(a, b, association, comparison, ranking.few_voxels), starts,
                        ranking.max_starts);
   result.hypotheses = by_many.ranked(starts);
   compareRivals(a, b, association, comparison, result.hypotheses);
 
-  // 3. Registration of the best on all voxels. The covariances of its rivals do not keep many
-  // threads busy either.
+  // 3. Registration of the best pose with all voxels. The covariances of its rivals are computed at
+  // the same time: each of the two tasks has too little work for many threads.
   result.T_a_b = result.hypotheses.front().T_a_b;
   const double final_gate =
       std::max(registration.voxel_level.final_gate, leastVoxelGate(a, b, registration));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Composes the parameters of the stages. */
+ * Combines, loads and saves the parameters of the stages. */
 #include <mrpt/config/CConfigFileBase.h>
 #include <mrpt/fusion/options.h>
 
@@ -16,7 +16,7 @@
 namespace mrpt::fusion {
 namespace {
 
-/** The parameters of all stages, in the order of the pipeline. */
+/** Lists the parameters of all stages, in the order of the pipeline. */
 Parameters parametersOf(Options& o) {
   Parameters all;
   for (Parameters of_stage :

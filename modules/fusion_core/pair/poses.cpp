@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Converts poses and covariances, and turns priors into searches. */
+ * Converts poses and covariances, and derives search parameters from priors. */
 #include <mrpt/core/exceptions.h>
 #include <mrpt/fusion/poses.h>
 
@@ -60,7 +60,7 @@ Prior Prior::gaussian(const mrpt::poses::CPose3DPDFGaussian& guess) {
 
 namespace {
 
-/** Largest standard deviation of a position in the plane, m. */
+/** Returns the largest standard deviation of a position in the x-y plane, m. */
 double planeSigma(const mrpt::poses::CPose3DPDFGaussian& guess) {
   const auto& cov = guess.cov;
   const double half_sum = 0.5 * (cov(0, 0) + cov(1, 1));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Searches everywhere if the verdict is not sure. */
+ * Searches everywhere if the probability of an accepted match is low. */
 #include "fusion_core/pair/verify.h"
 
 #include "fusion_core/pair/match.h"

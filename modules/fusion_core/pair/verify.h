@@ -8,19 +8,21 @@
 #include "fusion_core/features/features.h"
 
 /** \file
- * A second look at a match that is accepted, but not surely. */
+ * The check of an accepted match with a low probability. */
 
 namespace mrpt::fusion {
 
-/** The verdict on a match, after a search for a better pose where that is called for.
+/** Returns the verdict on a match, after a search for a better pose if the verdict needs it.
  *
- * A search around a guess does not see what lies beyond its reach, and a guess may be wrong. A
- * match that judge() accepts with less than EvaluationParams::sure_probability is compared with the
- * best pose of a search from everywhere() (not in the paper). If the maps agree clearly better
- * there, by EvaluationParams::max_runner_up, that pose becomes result.hypotheses[1], and the match
- * is rejected. Such a comparison costs as much as matchMaps() without a guess. \param[in] a,b
- * Features of the maps A and B. \param[in] options As for matchMaps(); options.search is the search
- * that found the match. \param[in,out] result Of matchMaps() or matchAt(). */
+ * A search around a guess has bounds, and a guess may be wrong. If judge() accepts the match with a
+ * probability below EvaluationParams::sure_probability, the match is compared with the best pose of
+ * a search without bounds, see everywhere() (not in the paper). If the agreement of the match is
+ * less than EvaluationParams::max_runner_up times the agreement of that pose, that pose becomes
+ * result.hypotheses[1], and the match is rejected. Cost of the comparison: matchMaps() without a
+ * guess.
+ * \param[in] a,b Features of the maps A and B.
+ * \param[in] options As for matchMaps(); options.search is the search that found the match.
+ * \param[in,out] result Result of matchMaps() or matchAt(). */
 Evaluation verify(const MapFeatures& a, const MapFeatures& b, const Options& options,
                   MatchResult& result);
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Finds pairs of voxels and of edge voxels, eqs. (13)-(20). */
 #include "fusion_core/registration/association.h"
 
 #include <algorithm>
@@ -47,8 +49,8 @@ namespace {
 
 constexpr uint32_t kUnpaired = ~uint32_t{0};
 
-/** Associates each of n voxels of B, or of those among some pairs, by itself, in parallel; keeps
- * those that found a partner. */
+/** Associates each of n voxels of B, in parallel, and keeps the pairs found. If \a among is given,
+ * only the voxels of B in these pairs are associated. */
 template <class FindModel>
 Pairs associateEach(size_t n, const Pairs* among, FindModel&& find) {
   Pairs pairs(among ? among->size() : n);

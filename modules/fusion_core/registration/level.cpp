@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * The loop of a level: associate, optimise, shrink the gate. */
+ * Runs the loop of a level: associate, optimise, shrink the gate. */
 #include "fusion_core/registration/level.h"
 
 #include <algorithm>
@@ -35,7 +35,8 @@ Pairs runLevel(LevelProblem& problem, const LevelParams& level, double least_gat
         [&](const Eigen::Isometry3d& at) { return problem.linearize(pairs, at); },
         [&](const Eigen::Isometry3d& at) { return problem.error(pairs, at); });
     const Eigen::Isometry3d step = T * result.T_a_b.inverse();
-    // The step of B's voxels themselves: a rotation about a far origin is not a translation.
+    // The step of the mean of B's voxels: a rotation about a far origin must not count as a
+    // translation.
     const Eigen::Vector3d place = result.T_a_b * problem.middle();
     const IterationRecord record{problem.level(),
                                  pairs.size(),
@@ -47,7 +48,7 @@ Pairs runLevel(LevelProblem& problem, const LevelParams& level, double least_gat
     result.iterations.push_back(record);
     if (on_iteration) on_iteration(record);
     const bool gate_is_final = gate <= final_gate;
-    // A longer step still needs the far pairs.
+    // After a longer step the gate stays wide: the far pairs are still needed.
     if (record.step_translation < params.settled_step * gate)
       gate = std::max(final_gate, params.gate_shrink * gate);
     pairs = problem.associate(T, problem.weights(mse), gate, nullptr);

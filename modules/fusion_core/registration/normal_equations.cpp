@@ -6,7 +6,7 @@
 namespace mrpt::fusion {
 
 Matrix6d stepAbout(const Eigen::Vector3d& to, const Eigen::Vector3d& from) {
-  Matrix6d J = Matrix6d::Identity();  // turning by w about from moves to by w x (to - from)
+  Matrix6d J = Matrix6d::Identity();  // a rotation w about `from` moves `to` by w x (to - from)
   J.topRightCorner<3, 3>() = skew(from - to);
   return J;
 }

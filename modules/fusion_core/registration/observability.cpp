@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Tells pairs that hold a pose from pairs that slide along. */
+ * Estimates the directions in which pairs hold a pose, and in which they slide. */
 #include "fusion_core/registration/observability.h"
 
 #include <Eigen/Eigenvalues>
@@ -19,7 +19,7 @@ Matrix6d covarianceAt(VoxelLevel& level, const Pairs& pairs, const Eigen::Isomet
   const GradientScatter gradients = level.scatter(pairs, T_a_b, equations.centre);
   equations.H = heldHessian(level, equations, pairs, T_a_b, step, params);
   Matrix6d covariance = poseCovariance(equations, pairs.size(), gradients);
-  // Floors and walls along a grid all lie by the same part of a voxel off their voxels' middles.
+  // Floors and walls along the grid all have the same offset from the centres of their voxels.
   covariance.topLeftCorner<3, 3>() += level.commonVariance() * Eigen::Matrix3d::Identity();
   return covariance;
 }
@@ -38,7 +38,7 @@ Matrix6d heldHessian(LevelProblem& level, const NormalEquations& equations, cons
         .g;
   };
 
-  // Rotations in metres, at the pairs' distance from their centre.
+  // Rotations are scaled to m, at the RMS distance of the pairs from their centre.
   const double reach2 =
       equations.H.bottomRightCorner<3, 3>().trace() / equations.H.topLeftCorner<3, 3>().trace();
   if (!(reach2 > 0)) return equations.H;
@@ -51,7 +51,7 @@ Matrix6d heldHessian(LevelProblem& level, const NormalEquations& equations, cons
     const Vector6d xi = step * scale.cwiseProduct(eigen.eigenvectors().col(i));
     const double expected = 2 * xi.dot(at_rest.H * xi);
     const double found = expected > 0 ? xi.dot(pullAt(-xi) - pullAt(xi)) / expected : 0;
-    // 0.6 and more where anything holds, below 0.1 along a corridor.
+    // `found` is at least 0.6 in held directions and below 0.1 along a corridor.
     held[i] *= found < params.min_pull ? 0 : std::min(found, 1.0);
   }
   const Matrix6d V = scale.cwiseInverse().asDiagonal() * eigen.eigenvectors();

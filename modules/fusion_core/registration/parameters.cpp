@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Keys, ranges and meanings of the parameters of registration. */
+ * Lists keys, ranges and meanings of the parameters of registration. */
 #include "fusion_core/registration/parameters.h"
 
 namespace mrpt::fusion {

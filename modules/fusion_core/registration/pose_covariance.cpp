@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Covariance of a pose from its normal equations. */
+ * Computes the covariance of a pose from its normal equations. */
 #include "fusion_core/registration/pose_covariance.h"
 
 #include <Eigen/Eigenvalues>
@@ -10,7 +10,7 @@
 namespace mrpt::fusion {
 
 PoseDeviation deviationAt(const Matrix6d& covariance, const Eigen::Vector3d& point) {
-  Eigen::Matrix<double, 3, 6> J;  // of the point
+  Eigen::Matrix<double, 3, 6> J;  // Jacobian of the point
   J << Eigen::Matrix3d::Identity(), -skew(point);
   const auto largest = [](const Eigen::Matrix3d& m) {
     return std::sqrt(

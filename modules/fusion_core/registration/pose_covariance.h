@@ -9,19 +9,26 @@
 #include "fusion_core/registration/normal_equations.h"
 
 /** \file
- * How surely a pose is known. */
+ * The covariance of a pose. */
 
 namespace mrpt::fusion {
 
-/** The largest standard deviation of where a point comes to lie, and of the rotation.
- * \param[in] covariance As poseCovariance(). \param[in] point Where it lies, m, A's frame. */
+/** Returns the largest standard deviations of a point of B and of the rotation.
+ * \param[in] covariance Covariance as from poseCovariance().
+ * \param[in] point The point, m, A's frame. */
 PoseDeviation deviationAt(const Matrix6d& covariance, const Eigen::Vector3d& point);
 
-/** The covariance of a left perturbation of the pose about the origin of A's frame, from the
- * equations at the optimum: s^2 H^-1 with the residual variance s^2 = error / (3 pairs - 6), and,
- * for what whole patches have in common, H^-1 S H^-1 (the sandwich estimator of clustered data,
- * e.g. Cameron and Miller 2015), which few patches make unsure: with n of them 6 / (6 + n) of it is
- * spread as H^-1 is. Directions with no information get \a unknown_variance. */
+/** Returns the covariance of a left perturbation of the pose about the origin of A's frame.
+ *
+ * It is the sum of two terms. The first term is s^2 H^-1 with the residual variance
+ * s^2 = error / (3 pairs - 6). The second term is H^-1 S H^-1, for the errors that the pairs of a
+ * patch have in common (the sandwich estimator of clustered data, e.g. Cameron and Miller 2015).
+ * With few patches the scatter S is noisy. It is shrunk towards a multiple of H^-1 with weight
+ * 6 / (6 + n), n = number of patches. Directions without information get \a unknown_variance.
+ * \param[in] at_optimum Normal equations at the optimum.
+ * \param[in] pairs Number of pairs.
+ * \param[in] scatter Scatter of the patches' gradients.
+ * \param[in] unknown_variance Variance of directions without information, m^2 or rad^2. */
 Matrix6d poseCovariance(const NormalEquations& at_optimum, size_t pairs,
                         const GradientScatter& scatter = {}, double unknown_variance = 1e6);
 

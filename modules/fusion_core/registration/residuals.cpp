@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Sums over pairs, in parts that do not depend on the number of threads. */
+ * Adds up the errors of pairs, in parts that do not depend on the number of threads. */
 #include "fusion_core/registration/residuals.h"
 
 #include <algorithm>
@@ -17,12 +17,12 @@
 namespace mrpt::fusion {
 namespace {
 
-/** The sums over parts of the pairs: what is added up when does not hang on the threads. A
- * voxels of pairs lie anywhere in memory: \a term is told of them a little ahead. */
+/** Returns the sums over parts of the pairs. The order of the additions does not depend on the
+ * threads. The voxels of A are scattered in memory: \a term prefetches them. */
 template <class Sums, class TermOf, class Add>
 std::vector<Sums> sumsOfParts(const Pairs& pairs, const TermOf& term, Add&& add) {
-  constexpr size_t kPairs = 2000;  // of a part
-  constexpr size_t kAhead = 12;
+  constexpr size_t kPairs = 2000;  // pairs in a part
+  constexpr size_t kAhead = 12;    // distance of the prefetch, pairs
   std::vector<Sums> parts((pairs.size() + kPairs - 1) / kPairs);
   forEachIndex(parts.size(), 1, [&](size_t part) {
     Sums sums{};
@@ -35,7 +35,8 @@ std::vector<Sums> sumsOfParts(const Pairs& pairs, const TermOf& term, Add&& add)
   return parts;
 }
 
-/** A pair's e = m - T s and its weight, a matrix or what has a matrix() and a squaredLength(e). */
+/** Error e = m - T s of a pair and its weight. The weight is a matrix, or has matrix() and
+ * squaredLength(e). The point of A is m, the point of B is s, as in the paper. */
 template <class Weight>
 struct Term {
   Eigen::Vector3d e;
@@ -52,14 +53,14 @@ double squaredLength(const Eigen::Vector3d& e, const Weight& W) {
   return W.squaredLength(e);
 }
 
-/** Adds up the terms of pairs, each given by \a term at q = T s.
- * Moving by xi takes e to e - J xi with J = [I, -[r]x] at r = q - c. */
+/** Adds up the terms of pairs. \a term returns the term of a pair at q = T s. A step xi changes e
+ * to e - J xi with J = [I, -[r]x] at r = q - c. */
 template <class TermOf>
 NormalEquations sumOf(const std::vector<Eigen::Vector3f>& b, const Pairs& pairs,
                       const Eigen::Isometry3d& T, const TermOf& term) {
   NormalEquations n;
   if (pairs.empty()) return n;
-  // About one of them at first: their middle is known when all have been looked at.
+  // The first centre is a point of B: the mean is known only after the sum.
   n.centre = T * b[pairs[pairs.size() / 2].b].template cast<double>();
   struct Sums {
     Eigen::Vector3d b = Eigen::Vector3d::Zero();
@@ -95,7 +96,7 @@ NormalEquations sumOf(const std::vector<Eigen::Vector3f>& b, const Pairs& pairs,
   return n.about(T * (middle / static_cast<double>(pairs.size())));
 }
 
-/** The error alone. */
+/** Returns only the error. */
 template <class TermOf>
 double errorOf(const std::vector<Eigen::Vector3f>& b, const Pairs& pairs,
                const Eigen::Isometry3d& T, const TermOf& term) {
@@ -106,7 +107,8 @@ double errorOf(const std::vector<Eigen::Vector3f>& b, const Pairs& pairs,
   return std::accumulate(parts.begin(), parts.end(), 0.0);
 }
 
-/** The scatter of the gradients of patches, B's cubes of a side, see GradientScatter. */
+/** Returns the scatter of the gradients of patches, which are cubes of B. See GradientScatter.
+ * \a side is the side of the cubes, m. */
 template <class TermOf>
 GradientScatter scatterOf(const std::vector<Eigen::Vector3f>& b, const Pairs& pairs,
                           const Eigen::Isometry3d& T, const Eigen::Vector3d& centre, double side,
@@ -129,18 +131,19 @@ GradientScatter scatterOf(const std::vector<Eigen::Vector3f>& b, const Pairs& pa
   return scatter;
 }
 
-/** Eq. (22)'s weight of a pair. */
+/** Returns the weight of a pair, eq. (22). */
 double occupancyFactor(const OccupiedVoxels& a, const OccupiedVoxels& b, const Pair& p) {
   const auto p_m = static_cast<double>(a.probability[p.a]),
              p_s = static_cast<double>(b.probability[p.b]);
-  return p_m * p_s / (p_m + p_s);  // with a division less
+  return p_m * p_s / (p_m + p_s);  // saves a division
 }
 
-/** A factor times (C_m + C_s)^-1 of two surfaces, C = I - (1 - flatness) n n' with n a unit vector
- * or zero.
+/** Weight of a pair of surfaces: a factor times (C_m + C_s)^-1. C = I - (1 - flatness) n n', where
+ * n is a unit vector or zero. Index m is the surface of A, index s is the surface of B.
  *
- * In closed form: with k = 1 - flatness and c = n_m . n_s, the sum has the eigenvectors n_m + n_s,
- * n_m - n_s and what is normal to both, and the eigenvalues 2 - k (1 + c), 2 - k (1 - c) and 2. */
+ * The inverse has a closed form. With k = 1 - flatness and c = n_m . n_s, the sum has the
+ * eigenvectors n_m + n_s, n_m - n_s and the vectors normal to both. The eigenvalues are
+ * 2 - k (1 + c), 2 - k (1 - c) and 2. */
 class SurfaceWeight {
  public:
   SurfaceWeight(const Eigen::Vector3d& n_m, const Eigen::Vector3d& n_s, double flatness,
@@ -168,7 +171,7 @@ class SurfaceWeight {
   double of_all_, of_sum_, of_difference_;
 };
 
-/** Of two edge voxels, by what is known of each one's place. */
+/** Term of two edge voxels, weighted by the covariances of their positions. */
 class EdgeTerm {
  public:
   EdgeTerm(const EdgeVoxels& a, const EdgeVoxels& b, const Eigen::Isometry3d& T_a_b,
@@ -179,11 +182,12 @@ class EdgeTerm {
     return {a_.centre[p.a].cast<double>() - q,
             (fused(a_, p.a) + R_ * fused(b_, p.b) * R_.transpose()).inverse()};
   }
-  void prefetch(const Pair&) const {}  // these are few
+  void prefetch(const Pair&) const {}  // not needed: edge pairs are few
 
  private:
   Eigen::Matrix3d fused(const EdgeVoxels& edges, uint32_t i) const {
-    // Across a perfect line the neighbours do not spread, but each sits somewhere in its voxel.
+    // The neighbours on a perfect line have no extent across it, but each has a position in its
+    // voxel.
     const double within_voxel = edges.resolution * edges.resolution / 12;
     return fuseCovariances(voxelVariance(edges.probability[i], edges.resolution, kind_),
                            edges.covariance[i].matrix(within_voxel));
@@ -194,7 +198,7 @@ class EdgeTerm {
   const VoxelCovariance kind_;
 };
 
-/** Of two voxels, by their occupancy alone. */
+/** Term of two voxels, weighted by their occupancy only. */
 class VoxelTerm {
  public:
   VoxelTerm(const OccupiedVoxels& a, const OccupiedVoxels& b) : a_(a), b_(b) {}
@@ -212,7 +216,7 @@ class VoxelTerm {
   const OccupiedVoxels &a_, &b_;
 };
 
-/** Of two pieces of surface. */
+/** Term of two surfaces. */
 class SurfaceTerm {
  public:
   SurfaceTerm(const SurfaceVoxels& a, const SurfaceVoxels& b, const Eigen::Isometry3d& T_a_b,

@@ -10,45 +10,48 @@
 #include "fusion_core/registration/normal_equations.h"
 
 /** \file
- * What the two levels minimise, eqs. (21) and (22): errors of pairs and their weights. */
+ * The errors that the two levels minimise, eqs. (21) and (22), and their weights. */
 
 namespace mrpt::fusion {
 
-/** Eq. (21), the edge level: e = m - T s, W = (Sigma_m + R Sigma_s R')^-1 with the fused
- * covariances of eq. (9). */
+/** Eq. (21), the edge level: returns the normal equations for e = m - T s and
+ * W = (Sigma_m + R Sigma_s R')^-1 with the fused covariances of eq. (9). m is the voxel of A, s is
+ * the voxel of B. */
 NormalEquations linearizeEdges(const EdgeVoxels& a, const EdgeVoxels& b, const Pairs& pairs,
                                const Eigen::Isometry3d& T_a_b, VoxelCovariance kind);
 
-/** NormalEquations::error of linearizeEdges() alone. */
+/** Returns only NormalEquations::error of linearizeEdges(). */
 double edgeError(const EdgeVoxels& a, const EdgeVoxels& b, const Pairs& pairs,
                  const Eigen::Isometry3d& T_a_b, VoxelCovariance kind);
 
-/** Eq. (22), the voxel level: W = (1/p_m + 1/p_s)^-1 I. */
+/** Eq. (22), the voxel level: returns the normal equations for W = (1/p_m + 1/p_s)^-1 I. */
 NormalEquations linearizeVoxels(const OccupiedVoxels& a, const OccupiedVoxels& b,
                                 const Pairs& pairs, const Eigen::Isometry3d& T_a_b);
-/** NormalEquations::error of linearizeVoxels() alone. */
+/** Returns only NormalEquations::error of linearizeVoxels(). */
 double voxelError(const OccupiedVoxels& a, const OccupiedVoxels& b, const Pairs& pairs,
                   const Eigen::Isometry3d& T_a_b);
 
-/** The voxel level with directions (not in the paper, after Segal et al., "Generalized-ICP"): a
- * voxel with a normal is a piece of surface, well known across it and hardly along it. W is eq.
- * (22)'s factor times (C_m + R C_s R')^-1, C = I - (1 - flatness) n n', so that surfaces slide
- * along each other; voxels without a normal have C = I. e is between the surfaces' points, not the
- * voxels' centres. A voxel of B that stands for several (Surfaces::weight) counts as so many.
- * The surfaces hold one piece per voxel. */
+/** The voxel level with surfaces (not in the paper, after Segal et al., "Generalized-ICP"): returns
+ * the normal equations.
+ *
+ * A voxel with a normal has a small variance across its surface and a large variance along it. W is
+ * the factor of eq. (22) times (C_m + R C_s R')^-1 with C = I - (1 - flatness) n n', so surfaces
+ * can slide along each other. Voxels without a normal have C = I. The error e is between the points
+ * of the surfaces, not between the centres of the voxels. A voxel of B counts as the number of
+ * voxels that it represents, Surfaces::weight. */
 NormalEquations linearizeSurfaces(const SurfaceVoxels& a, const SurfaceVoxels& b,
                                   const Pairs& pairs, const Eigen::Isometry3d& T_a_b,
                                   double flatness);
-/** NormalEquations::error of linearizeSurfaces() alone. */
+/** Returns only NormalEquations::error of linearizeSurfaces(). */
 double surfaceError(const SurfaceVoxels& a, const SurfaceVoxels& b, const Pairs& pairs,
                     const Eigen::Isometry3d& T_a_b, double flatness);
 
-/** The gradients of linearizeVoxels(), by patches of B: cubes of a \a side (m), about the
- * \a centre of the normal equations (m). */
+/** Returns the scatter of the gradients of linearizeVoxels() by patches of B. The patches are cubes
+ * with a \a side (m). The gradients are about the \a centre of the normal equations (m). */
 GradientScatter scatterVoxels(const OccupiedVoxels& a, const OccupiedVoxels& b, const Pairs& pairs,
                               const Eigen::Isometry3d& T_a_b, const Eigen::Vector3d& centre,
                               double side);
-/** The same of linearizeSurfaces(). */
+/** Returns the scatter of the gradients of linearizeSurfaces(), as scatterVoxels(). */
 GradientScatter scatterSurfaces(const SurfaceVoxels& a, const SurfaceVoxels& b, const Pairs& pairs,
                                 const Eigen::Isometry3d& T_a_b, double flatness,
                                 const Eigen::Vector3d& centre, double side);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Steps on SE(3). */
+ * Computes steps on SE(3). */
 #include "fusion_core/registration/solver.h"
 
 #include <Eigen/Eigenvalues>

@@ -8,26 +8,31 @@
 #include "fusion_core/registration/normal_equations.h"
 
 /** \file
- * The paper's Sec. IV-C: the pose that brings the pairs together.
+ * The paper's Sec. IV-C: optimises the pose for given pairs.
  *
- * Poses are perturbed on the left, in A's frame, about the middle c of the pairs:
- * `T <- Tr(c) exp(xi) Tr(-c) T`, xi = (translation, rotation). Turning about the pairs themselves
- * keeps the equations well conditioned however far the maps lie from their frames' origins. */
+ * Poses are perturbed on the left, in A's frame, about the mean c of the pairs:
+ * `T <- Tr(c) exp(xi) Tr(-c) T`, xi = (translation, rotation). The rotation about c keeps the
+ * equations well conditioned if the maps lie far from the origins of their frames. */
 
 namespace mrpt::fusion {
 
-/** exp of a twist (translation part first, as V xi_t; rotation as a vector, rad). */
+/** Returns exp of a twist. The first 3 elements are the translation part (the translation is
+ * V xi_t), the last 3 are the rotation vector, rad. */
 Eigen::Isometry3d expSE3(const Vector6d& xi);
 
-/** Levenberg-Marquardt on SE(3): minimises the error that \a linearize (T -> NormalEquations) and
- * \a errorAt (T -> double) give. Directions that the pairs do not constrain are left as they are.
- * Cost: an error a step, and a linearisation unless the step before it was not taken.
- * \return The pose; never one of a larger error than \a T. */
+/** Minimises an error by Levenberg-Marquardt on SE(3). Directions that the pairs do not constrain
+ * do not change. Cost per step: one error, and one linearisation unless the previous step was
+ * rejected.
+ * \param[in] T Start.
+ * \param[in] params Settings of the solver.
+ * \param[in] linearize The linearisation: (T) -> NormalEquations.
+ * \param[in] errorAt The error: (T) -> double.
+ * \return The pose. Its error is never larger than the error at \a T. */
 template <class Linearize, class ErrorAt>
 Eigen::Isometry3d optimizePose(Eigen::Isometry3d T, const SolverParams& params,
                                Linearize&& linearize, ErrorAt&& errorAt);
 
-/** T perturbed by xi about a centre. */
+/** Returns T perturbed by xi about a centre. */
 Eigen::Isometry3d perturb(const Eigen::Isometry3d& T, const Vector6d& xi,
                           const Eigen::Vector3d& centre);
 

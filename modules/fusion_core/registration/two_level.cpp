@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * The two levels of matching, and the pairs that they end with. */
+ * Runs the two levels of registration, and computes the final pairs. */
 #include "fusion_core/registration/two_level.h"
 
 #include <tbb/parallel_invoke.h>
@@ -85,7 +85,7 @@ GradientScatter VoxelLevel::scatter(const Pairs& pairs, const Eigen::Isometry3d&
 }
 
 double VoxelLevel::commonVariance() const {
-  // What is left of both grids' quantisation with surfaces' points in place of the voxels' middles.
+  // The quantisation error of both grids that remains if surface points replace the centres.
   const double ra = a_.voxels.resolution, rb = b_.voxels.resolution;
   return params_.covariance.common_share * (ra * ra + rb * rb) / 12;
 }
@@ -133,7 +133,7 @@ void matchVoxels(const MapFeatures& a, const MapFeatures& b, const VoxelAssociat
   from_gate.gate = first_gate;
   const Pairs last =
       runLevel(level, from_gate, leastVoxelGate(a, b, params), params, result, on_iteration);
-  // Neither alone keeps many threads busy.
+  // Each of the two tasks has too little work for many threads.
   tbb::parallel_invoke(
       [&] {
         if (last.size() >= MatchResult::kMinPairs)

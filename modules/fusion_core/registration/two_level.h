@@ -14,11 +14,14 @@
 
 namespace mrpt::fusion {
 
-/** How the voxel level pairs, eq. (14): all that judging a pose needs of it. */
+/** The pairing of the voxel level, eq. (14). The verdict on a given pose needs only this part. */
 class VoxelPairing : public Pairing {
  public:
-  /** \param[in] b B's voxels. \param[in] H_m See occupancyUncertainty(). \param[in] association Of
-   * A's voxels, prepared for the gates to come. None is owned, all must outlive this. */
+  /** All arguments except H_m are not owned and must outlive the pairing.
+   * \param[in] b Voxels of B.
+   * \param[in] H_m See occupancyUncertainty().
+   * \param[in] association Association of A's voxels, prepared for all gates used.
+   * \param[in] params Factors of the weights. */
   VoxelPairing(const OccupiedVoxels& b, double H_m, const VoxelAssociation& association,
                const WeightParams& params)
       : b_(b), H_m_(H_m), association_(association), params_(params) {}
@@ -40,11 +43,13 @@ class VoxelPairing : public Pairing {
   VoxelAssociation::Partners last_;
 };
 
-/** The voxel level, eq. (22). Refers to what it is given, which must outlive it. */
+/** The voxel level, eq. (22). It refers to its arguments, which must outlive it. */
 class VoxelLevel : public LevelProblem {
  public:
-  /** \param[in] a,b Voxels of the maps A and B. \param[in] H_m See occupancyUncertainty().
-   * \param[in] association Of a's voxels, prepared for the gates to come. */
+  /** \param[in] a,b Voxels of the maps A and B.
+   * \param[in] H_m See occupancyUncertainty().
+   * \param[in] association Association of A's voxels, prepared for all gates used.
+   * \param[in] params Settings of registration. */
   VoxelLevel(const SurfaceVoxels& a, const SurfaceVoxels& b, double H_m,
              const VoxelAssociation& association, const RegistrationParams& params);
 
@@ -59,10 +64,10 @@ class VoxelLevel : public LevelProblem {
   NormalEquations linearize(const Pairs& pairs, const Eigen::Isometry3d& T_a_b) const override;
   double error(const Pairs& pairs, const Eigen::Isometry3d& T_a_b) const override;
 
-  /** Scatter of the gradients at a pose, about a centre, m. */
+  /** Returns the scatter of the gradients at a pose, about a centre, m. */
   GradientScatter scatter(const Pairs& pairs, const Eigen::Isometry3d& T_a_b,
                           const Eigen::Vector3d& centre) const;
-  /** Variance of a shift that all pairs have in common, m^2. */
+  /** Returns the variance of the shift that all pairs have in common, m^2. */
   double commonVariance() const;
 
  private:
@@ -72,47 +77,60 @@ class VoxelLevel : public LevelProblem {
   VoxelPairing pairing_;
 };
 
-/** The edge level, from result.T_a_b on; changes pose and iterations. */
+/** Runs the edge level from result.T_a_b. Changes the pose and the iterations of the result. */
 void matchEdges(const MapFeatures& a, const MapFeatures& b, const RegistrationParams& params,
                 MatchResult& result, const OnIteration& on_iteration);
 
-/** The voxel level from its gate \a first_gate (m) on, from result.T_a_b on; gives the result its
- * covariance and its pairs. \param[in] voxels See pairVoxels(). */
+/** Runs the voxel level from result.T_a_b, and computes the covariance and the pairs of the result.
+ * \param[in] a,b Features of the maps A and B.
+ * \param[in] association See associationOf().
+ * \param[in] first_gate Gate of the first iteration, m.
+ * \param[in] params Settings of registration.
+ * \param[in] voxels See pairVoxels().
+ * \param[in,out] result Holds the start; receives pose, iterations, covariance and pairs.
+ * \param[in] on_iteration Called after each iteration, if given. */
 void matchVoxels(const MapFeatures& a, const MapFeatures& b, const VoxelAssociation& association,
                  double first_gate, const RegistrationParams& params, size_t voxels,
                  MatchResult& result, const OnIteration& on_iteration);
 
-/** Association of A's matched voxels, ready for all gates of the voxel level and of its covariance:
- * threads may share it. */
+/** Returns the association of A's matched voxels, prepared for all gates of the voxel level and of
+ * its covariance. Threads may share it. */
 VoxelAssociation associationOf(const MapFeatures& a, const MapFeatures& b,
                                const RegistrationParams& params);
 
-/** The voxel level with all matched voxels of the maps. */
+/** Returns the voxel level with all matched voxels of the maps. */
 VoxelLevel voxelLevel(const MapFeatures& a, const MapFeatures& b,
                       const VoxelAssociation& association, const RegistrationParams& params);
 
-/** Covariance of a pose by a level's pairs there, see MatchResult::covariance. */
+/** Returns the covariance of a pose from the pairs of a level at that pose, see
+ * MatchResult::covariance. */
 Matrix6d covarianceOf(const MapFeatures& a, const MapFeatures& b, VoxelLevel& level,
                       const Eigen::Isometry3d& T_a_b, const RegistrationParams& params);
 
-/** The least gate of voxel pairs, m. */
+/** Returns the least gate of voxel pairs, m. */
 double leastVoxelGate(const MapFeatures& a, const MapFeatures& b, const RegistrationParams& params);
 
-/** The voxel pairs at a given pose, weighted and gated as the voxel level begins: what the verdict
- * judges. \param[in] voxels Number of B's voxels to pair, spread evenly, see strideFor(). */
+/** Returns the voxel pairs at a given pose, with the weights and the gate of the first iteration of
+ * the voxel level. The verdict judges these pairs.
+ * \param[in] a,b The maps A and B.
+ * \param[in] T_a_b Pose of map B in A's frame.
+ * \param[in] params Settings of registration.
+ * \param[in] voxels Number of B's voxels to pair, spread evenly, see strideFor(). */
 Pairs pairVoxels(const MapVoxels& a, const MapVoxels& b, const Eigen::Isometry3d& T_a_b,
                  const RegistrationParams& params, size_t voxels);
 
-/** Eqs. (10)-(12): the pose of map B in A's frame that brings B's edges, then B's voxels, onto A's,
- * from an initial guess.
+/** Eqs. (10)-(12): estimates the pose of map B in A's frame from a guess. It aligns B's edges with
+ * A's edges, then B's voxels with A's voxels.
  *
- * A local optimiser: it finds the nearest minimum. Whether that is the right pose is for the
- * verdict to say. Without pairs within the gates it returns the guess and no pairs. Deterministic,
- * whatever the number of threads. \param[in] a,b Features of the maps A and B. \param[in] T_a_b The
- * guess. \param[in] params All of it. \param[in] voxels Number of B's voxels to pair at the end,
- * see pairVoxels(). \param[in] on_iteration Called after each iteration, if given (progress,
- * plots); never by two threads at a time, but not always by the same thread. Cost: iterations *
- * voxels of B * log(voxels of A). */
+ * This is a local optimiser: it finds the nearest minimum, which may be a wrong pose. The verdict
+ * checks the pose. Without pairs within the gates it returns the guess and no pairs. The result
+ * does not depend on the number of threads. Cost: iterations * voxels of B * log(voxels of A).
+ * \param[in] a,b Features of the maps A and B.
+ * \param[in] T_a_b The guess.
+ * \param[in] params Settings; all fields are used.
+ * \param[in] voxels Number of B's voxels to pair at the end, see pairVoxels().
+ * \param[in] on_iteration Called after each iteration, if given (progress, plots). Never called by
+ * two threads at a time, but not always by the same thread. */
 MatchResult matchTwoLevel(const MapFeatures& a, const MapFeatures& b,
                           const Eigen::Isometry3d& T_a_b, const RegistrationParams& params,
                           size_t voxels, const OnIteration& on_iteration = {});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Lays directions of B on the direction that most of A's surfaces face. */
+ * Aligns directions of B with the direction that most of A's surfaces face, and searches. */
 #include "fusion_core/search/all_rotations.h"
 
 #include <algorithm>
@@ -21,7 +21,7 @@ std::vector<Hypothesis> searchAllRotations(const MapVoxels& a, const Surfaces& s
   const auto facing_b = dominantDirections(b.surfaces, rotations.directions, rotations);
   if (facing_a.empty()) return {};
 
-  // A's dominant direction becomes the axis that searchAround() turns about.
+  // A is turned so that searchAround() rotates about A's dominant direction.
   const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
   Eigen::Isometry3d T_turned_a = Eigen::Isometry3d::Identity();
   MapVoxels turned;

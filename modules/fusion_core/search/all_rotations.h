@@ -12,12 +12,14 @@
 
 namespace mrpt::fusion {
 
-/** searchAround() for maps that have no common vertical, from everywhere(). What faces A's dominant
- * direction (mostly its floors and ceilings, or walls) faces one of B's: each of B's four, with
- * either sign, is turned onto A's, and all turns about it and all translations are searched. So it
- * finds nothing where surfaces face everywhere alike, as in a cave.
- * \return The best poses of all these searches. Cost: eight searches, and if A's dominant direction
- * is not its z axis, an octree that is turned so that it is. */
+/** Runs searchAround() for maps that have no common vertical, without bounds (everywhere()).
+ *
+ * The dominant direction of A is the direction that most of its surfaces face: usually floors and
+ * ceilings, or walls. Each of AllRotationsParams::directions directions of B is turned onto it,
+ * with both signs. Each search covers all rotations about this direction and all translations. The
+ * search finds nothing if surfaces face all directions equally, as in a cave. Cost: 2 searches for
+ * each direction of B. If A's dominant direction is not its z axis, A's octree is resampled.
+ * \return The best poses of all these searches. */
 std::vector<Hypothesis> searchAllRotations(const MapVoxels& a, const Surfaces& surfaces_a,
                                            const SurfaceVoxels& b, const SearchParams& params);
 

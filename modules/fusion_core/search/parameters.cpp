@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Keys, ranges and meanings of the parameters of the search. */
+ * Lists keys, ranges and meanings of the parameters of the search. */
 #include "fusion_core/search/parameters.h"
 
 #include <algorithm>

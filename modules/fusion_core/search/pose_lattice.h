@@ -16,7 +16,7 @@
 
 namespace mrpt::fusion {
 
-/** The translations tried with one yaw, in cells. */
+/** Range of translations of one yaw, in cells. */
 struct Window {
   Cell low, size;
 
@@ -26,7 +26,7 @@ struct Window {
   }
 };
 
-/** A pose of a lattice: yaw in steps, translation in cells. */
+/** A pose of a lattice with its score: yaw in steps, translation in cells. */
 struct Place {
   float score;
   int yaw, x, y, z;
@@ -35,16 +35,16 @@ struct Place {
     const auto square = [](int64_t v) { return v * v; };
     return square(yaw) + square(x) + square(y) + square(z);
   }
-  bool isBetterThan(const Place& o) const {  // of those as good those near the guess
+  bool isBetterThan(const Place& o) const {  // of equal scores the place near the guess
     if (score != o.score) return score > o.score;
     return std::make_tuple(farness(), yaw, x, y, z) <
            std::make_tuple(o.farness(), o.yaw, o.x, o.y, o.z);
   }
 };
 
-/** Places this near to each other lead to the same pose. */
+/** Test for places that lead to the same pose: distances in cells and steps of yaw. */
 struct Near {
-  int cells, yaws, turn;  // all the way round, in steps of yaw
+  int cells, yaws, turn;  // turn: steps of yaw in a full turn
 
   bool operator()(const Place& a, const Place& b) const {
     const int apart = std::abs(a.yaw - b.yaw);
@@ -53,11 +53,12 @@ struct Near {
   }
 };
 
-/** The poses to try: turned about A's vertical through a point by whole steps, then moved by whole
- * cells. Each level's cells and steps are twice as wide as those of the level before. */
+/** The poses of a search: rotations by whole steps about A's vertical through a point, then
+ * translations by whole cells. The cells and steps of each level are twice as wide as on the level
+ * below. */
 struct Lattice {
   Eigen::Isometry3d T_a_b;
-  Eigen::Vector3d middle;  ///< in A's frame
+  Eigen::Vector3d middle;  ///< Point on the axis of rotation, m, A's frame
   double cell, yaw_step;
 
   Lattice level(unsigned l) const {
@@ -74,7 +75,7 @@ struct Lattice {
   }
 };
 
-/** The best places, none near a better one, best first. */
+/** Returns the best places, best first. No place is near a better place. */
 std::vector<Place> mostDistinct(std::vector<Place> places, size_t count, const Near& near);
 
 }  // namespace mrpt::fusion

@@ -22,8 +22,9 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
 
-/** Confirmed obstacles count the less the more lie in free space beside them: where rooms or
- * pillars repeat, a larger overlap would win over the right one. A tenth of them leaves a fifth. */
+/** Returns the score of a pose. Conflicts reduce the weight of confirmed obstacles: if rooms or
+ * pillars repeat, a wrong pose with a larger overlap would otherwise win. With the default weight,
+ * a conflict for each 10 confirmed obstacles leaves 25 %. */
 float scoreOf(uint32_t confirmed, uint32_t conflicting, float conflict_weight) {
   if (confirmed == 0) return 0;
   const auto n = static_cast<float>(confirmed);
@@ -31,15 +32,15 @@ float scoreOf(uint32_t confirmed, uint32_t conflicting, float conflict_weight) {
   return n * share * share;
 }
 
-/** The grid's cells of points. */
+/** Returns the cells of points in the grid. */
 std::vector<Cell> cellsOf(const ScoreGrid& grid, const Points& points, const Eigen::Isometry3d& T) {
   std::vector<Cell> cells(points.size());
   for (size_t i = 0; i < points.size(); i++) cells[i] = grid.cellOf(T * points[i].cast<double>());
   return cells;
 }
 
-/** The places of one yaw, of each x and y the best height: all others are near it.
- * \param[in] b The cells of B's points, turned by the yaw. */
+/** Scores the places of one yaw. Returns the best height for each x and y: all other heights are
+ * near this place. \a b holds the cells of B's points, turned by the yaw. */
 std::vector<Place> scoreWindow(const ScoreGrid& grid, const std::vector<Cell>& b, int yaw,
                                const Window& window, double weight_of_conflicts) {
   const auto conflict_weight = static_cast<float>(weight_of_conflicts);
@@ -86,8 +87,8 @@ Eigen::AlignedBox3d boxOf(const Points& points, const Eigen::Isometry3d& T) {
   return box;
 }
 
-/** The box without the outermost voxels, one of 200 along each axis and to each side: stray returns
- * lie far from a map, and tell nothing of where another can lie. */
+/** Returns the bounding box without the outermost 0.5 % of the voxels at each end of each axis.
+ * Stray returns lie far from a map and must not widen the search. */
 Eigen::AlignedBox3d boxOfMost(const OccupiedVoxels& voxels) {
   Eigen::AlignedBox3d box;
   const size_t stray = voxels.key.size() / 200;
@@ -100,7 +101,7 @@ Eigen::AlignedBox3d boxOfMost(const OccupiedVoxels& voxels) {
     std::vector<uint32_t> layers((*last)[axis] - lowest + 1);
     for (const auto& key : voxels.key) layers[key[axis] - lowest]++;
     constexpr double kOrigin = 0.5 * (1U << OcTreeCube::kMaxDepth);
-    const auto middleOf = [&](size_t layer) {  // as OccupiedVoxels::centre, bit for bit
+    const auto middleOf = [&](size_t layer) {  // equal to OccupiedVoxels::centre, bit for bit
       const auto key = static_cast<double>(lowest + layer);
       return static_cast<float>(voxels.resolution * (key - kOrigin + 0.5));
     };
@@ -113,7 +114,7 @@ Eigen::AlignedBox3d boxOfMost(const OccupiedVoxels& voxels) {
   return box;
 }
 
-/** Some of the points, in their order. */
+/** Returns at most \a enough points, spread evenly, in their order. */
 Points someOf(const Points& points, size_t enough) {
   Points some;
   const size_t stride = strideFor(points.size(), enough);
@@ -121,7 +122,7 @@ Points someOf(const Points& points, size_t enough) {
   return some;
 }
 
-/** A search of the poses around a guess, see searchAround(). */
+/** Search around a guess, see searchAround(). */
 class PoseSearch {
  public:
   PoseSearch(const MapVoxels& a, const Surfaces& surfaces_a, const SurfaceVoxels& b,
@@ -146,8 +147,8 @@ class PoseSearch {
   std::vector<Hypothesis> run() {
     std::vector<ScoreGrid> grids = {ScoreGrid(a_, region_, finest_)};
     const SearchBudget& budget = params_.budget;
-    // By few points, more if it is worth it, at the finest level whose places are few enough, then
-    // down around the best.
+    // Scores with few points, or with more points if the cost allows it. Starts at the finest level
+    // whose cost is within the budget, then refines the best places level by level.
     Points few = someOf(points_, ScoreGrid::kMostSummed);
     if (work(0, few) > budget.small_work) {
       alignHeights();
@@ -176,14 +177,14 @@ class PoseSearch {
 
   static constexpr unsigned kMostLevels = 6;
 
-  /** The part of map A that tells poses apart: where B's voxels can come to lie, and free space
-   * not far from all obstacles. */
+  /** Returns the part of map A that the search needs: places that B's voxels can reach, within the
+   * margin around A's obstacles. */
   Eigen::AlignedBox3d region(const Eigen::Isometry3d& T) const {
     const double beside = std::min(params_.translation + params_.height, params_.margin);
     Eigen::AlignedBox3d near_a = box_a_;
     near_a.extend(box_a_.min() - Eigen::Vector3d::Constant(beside));
     near_a.extend(box_a_.max() + Eigen::Vector3d::Constant(beside));
-    // The window of a yaw reaches three translations; turned, B stays within its radius.
+    // The window of a yaw reaches 3 translations. A rotation keeps B within its radius.
     Eigen::AlignedBox3d box_b = boxOf(points_, T);
     const double reach = 3 * params_.translation + (params_.yaw > 0 ? radius_ : 0);
     const Eigen::Vector3d extra(reach, reach, 2 * params_.height);
@@ -193,8 +194,8 @@ class PoseSearch {
     return common.isEmpty() ? Eigen::AlignedBox3d(box_a_.min(), box_a_.min()) : common;
   }
 
-  /** The cell's side: as asked for, at least two voxels, and so large that the grid stays small
-   * however far apart the pieces of the maps lie; rounded up to a cube of A's octree. */
+  /** Returns the side of the cells: SearchParams::cell, but at least 2 voxels, and so large that
+   * the grid stays within SearchBudget::max_cells. It is rounded up to a cube of A's octree. */
   ScoreGrid::Layout layoutFor(double resolution_b) const {
     const double least = std::max({params_.cell, 2 * a_.voxels.resolution, 2 * resolution_b,
                                    std::cbrt(region_.volume() / params_.budget.max_cells)});
@@ -206,8 +207,8 @@ class PoseSearch {
     return layout;
   }
 
-  /** Moves the lattice to the height at which most obstacles find one at their own: half a wide
-   * cell off, floors, which are most of a map, would miss each other at all of its places. */
+  /** Moves the lattice to the height at which the layers of obstacles fit best. Otherwise, with
+   * wide cells, the floors could miss each other by half a cell at all places of the lattice. */
   void alignHeights() {
     const double step = std::max(a_.voxels.resolution, 0.25 * lattice_.cell);
     const auto layerOf = [step](double z) { return static_cast<int>(std::floor(z / step)); };
@@ -224,14 +225,15 @@ class PoseSearch {
       layers_b[static_cast<size_t>(layerOf((lattice_.T_a_b * p.cast<double>()).z()) - low_b)]++;
     const auto floors =
         alignFloors(layers_a, low_a, layers_b, low_b, step, params_.height, params_.floor_share);
-    if (!floors) return;  // they share no height that may be tried
+    if (!floors) return;  // no common height within the bounds
     heights_ = floors->plausible;
     const Eigen::Vector3d up(0, 0, floors->shift);
     lattice_.T_a_b.pretranslate(up);
     lattice_.middle += up;
   }
 
-  /** The yaws to try: around a guess all, else those that lay walls along walls. */
+  /** Returns the yaws to try: all yaws around a guess; without a guess, yaws that lay walls along
+   * walls. */
   std::vector<int> yawsAt(const Lattice& lattice) const {
     const int most = static_cast<int>(std::ceil(std::min(params_.yaw, M_PI) / lattice.yaw_step));
     std::vector<int> yaws;
@@ -241,9 +243,9 @@ class PoseSearch {
     return yaws;
   }
 
-  /** A guess that is wrong in yaw turned the map about the origin of B's frame as likely as about
-   * its middle, which then lies elsewhere: the window of a yaw covers both, as far as the maps can
-   * overlap. */
+  /** Returns the translations of a yaw. The yaw error of a guess may be a rotation about the origin
+   * of B's frame or about the mean of B's points; the mean then lies at different places. The
+   * window covers both cases, as far as the maps can overlap. */
   Window windowOf(const Lattice& lattice, int yaw, const Points& points) const {
     const Eigen::Vector3d lever = lattice.middle - lattice.T_a_b.translation();
     const Eigen::Vector3d swing =
@@ -268,11 +270,11 @@ class PoseSearch {
     return w;
   }
 
-  /** Values to add up at a level. */
+  /** Returns the number of additions at a level, estimated from some yaws. */
   double work(unsigned level, const Points& points) const {
     const Lattice lattice = lattice_.level(level);
     const std::vector<int> yaws = yawsAt(lattice);
-    constexpr size_t kSample = 16;  // of the windows
+    constexpr size_t kSample = 16;  // number of windows
     const size_t stride = (yaws.size() + kSample - 1) / kSample;
     double sum = 0, n = 0;
     for (size_t i = 0; i < yaws.size(); i += stride, n++)
@@ -284,7 +286,7 @@ class PoseSearch {
     return static_cast<int>(std::lround(2 * M_PI / lattice_.level(level).yaw_step));
   }
   Near same(unsigned level) const { return {1, 1, stepsOfATurn(level)}; }
-  /** Final places differ by more. */
+  /** Test for equal final places. */
   Near another() const {
     return {static_cast<int>(params_.distinct_cells),
             static_cast<int>(params_.distinct_yaw / lattice_.yaw_step), stepsOfATurn(0)};
@@ -304,7 +306,7 @@ class PoseSearch {
     return mostDistinct(concatenated(of_yaw), count, near);
   }
 
-  /** From the places of the next coarser level. */
+  /** Scores the neighbourhoods of the places of the next coarser level. */
   std::vector<Place> refine(const ScoreGrid& grid, unsigned level, const Points& points,
                             const std::vector<Place>& coarse) const {
     const Lattice lattice = lattice_.level(level);
@@ -323,7 +325,7 @@ class PoseSearch {
     return mostDistinct(concatenated(best), params_.budget.kept_places, same(level));
   }
 
-  /** By all points, at the finest level. */
+  /** Scores places with all points, at the finest level. */
   std::vector<Place> rescored(const ScoreGrid& grid, const std::vector<Place>& places) const {
     std::map<int, std::vector<Place>> by_yaw;
     for (const Place& p : places) by_yaw[p.yaw].push_back(p);
@@ -347,12 +349,12 @@ class PoseSearch {
   }
 
   const MapVoxels& a_;
-  Points points_;  // of B
+  Points points_;  // points of B
   const SearchParams& params_;
   std::optional<WallDirections> walls_;
   Eigen::AlignedBox3d box_a_, region_;
-  std::array<double, 2> heights_{};  // lowest and highest shift to try, m
-  double radius_ = 0;                // of B about its middle, across the vertical, m
+  std::array<double, 2> heights_{};  // lowest and highest shift of the search, m
+  double radius_ = 0;                // radius of B about its mean, horizontal, m
   ScoreGrid::Layout finest_{};
   Lattice lattice_{};
 };

@@ -10,32 +10,39 @@
 #include "fusion_core/map/map_voxels.h"
 
 /** \file
- * Where to start matching: a correlative search around the initial guess (not in the paper, whose
- * optimiser finds the nearest minimum; the idea is Olson's correlative scan matching, in 3-D and on
- * free space too). */
+ * The search for starts: a correlative search around a guess. It is not in the paper, whose
+ * optimiser starts at the guess and finds the nearest minimum. The idea is Olson's correlative scan
+ * matching, in 3-D and with free space. */
 
 namespace mrpt::fusion {
 
-/** A pose and how well the maps agree there. */
+/** A start: a pose and its score. */
 struct Hypothesis {
-  Eigen::Isometry3d T_a_b;  ///< pose of map B in A's frame
-  double score;             ///< comparable between poses of the same two maps; higher is better
+  Eigen::Isometry3d T_a_b;  ///< Pose of map B in A's frame
+  double score;             ///< Score, comparable between poses of the same maps; higher is better
 };
 
-/** Scores the poses of a lattice around \a T_a_b: translations by whole cells, rotations about A's
- * vertical (through B's middle and through the origin of its frame), fine enough that no voxel of B
- * moves by more than a cell from one to the next. An obstacle of B counts for a pose where A has
- * one too, and against it where A has seen free space, away from obstacles.
+/** Scores the poses of a lattice around \a T_a_b.
  *
- * If these are many, some of B's voxels tell which are looked at more closely; of too many, those
- * of a coarser lattice, on A's octree at a lesser depth, then the neighbourhoods of the best. From
- * everywhere() only yaws that lay walls along walls are tried, as far as the maps have any.
+ * The lattice has translations by whole cells and rotations about A's vertical, through the mean of
+ * B's voxels and through the origin of B's frame. The steps are so fine that no voxel of B moves by
+ * more than a cell between neighbouring poses. An obstacle of B raises the score if A has an
+ * obstacle there. It lowers the score if A has seen free space there, away from obstacles.
  *
- * \param[in] a Map A. \param[in] surfaces_a Of all or some of its voxels. \param[in] b Some of B's
- * occupied voxels, spread evenly, about one to a cell. \param[in] T_a_b The guess: pose of map B in
- * A's frame. \param[in] params How far, how finely. \return The best poses that are three cells or
- * 10 deg apart, best first: nearer ones lead to the same place. Deterministic, whatever the number
- * of threads. Cost: yaws * translations * voxels of B, in contiguous runs of bytes.
+ * If the poses are many, some of B's voxels choose the poses that all voxels of B score. If the
+ * poses are too many for that, a coarser lattice is scored first, on A's octree at a lower depth,
+ * then the neighbourhoods of its best poses. A search without bounds (everywhere()) only tries yaws
+ * that lay walls along walls, if the maps have walls.
+ *
+ * The result does not depend on the number of threads.
+ * Cost: yaws * translations * voxels of B, in contiguous runs of memory.
+ * \param[in] a Map A.
+ * \param[in] surfaces_a Surfaces of all or some voxels of A.
+ * \param[in] b Some of B's occupied voxels, spread evenly, about one in each cell.
+ * \param[in] T_a_b The guess: pose of map B in A's frame.
+ * \param[in] params Range and resolution of the search.
+ * \return The best poses, best first. They differ by more than SearchParams::distinct_cells or
+ * SearchParams::distinct_yaw: more similar poses lead to the same place.
  */
 std::vector<Hypothesis> searchAround(const MapVoxels& a, const Surfaces& surfaces_a,
                                      const SurfaceVoxels& b, const Eigen::Isometry3d& T_a_b,

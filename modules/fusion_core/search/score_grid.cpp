@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Fills score grids and adds them up. */
+ * Fills score grids and adds up their values. */
 #include "fusion_core/search/score_grid.h"
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 namespace mrpt::fusion {
 namespace {
 
-/** Of two values the one that speaks less against a pose. */
+/** Returns the value that is better for a pose. */
 uint16_t lessAgainst(uint16_t v, uint16_t w) {
   if (v == ScoreGrid::kOccupied || w == ScoreGrid::kOccupied) return ScoreGrid::kOccupied;
   return std::min(v, w);
@@ -23,7 +23,7 @@ ScoreGrid::ScoreGrid(const MapVoxels& map, const Eigen::AlignedBox3d& region, co
     low_[axis] = low[axis] - 1;
     size_[axis] = high[axis] + 2 - low_[axis];
   }
-  values_.assign(cells() + kLanes, kUnknown);  // a run's padding may lie beyond the last row
+  values_.assign(cells() + kLanes, kUnknown);  // the padding of a row may lie beyond the last row
   map.free.forEachCube(layout.level, [this](const OcTreeCube& cube) { markFree(cube); });
   for (const auto& key : map.voxels.key) mark(layout.cellOf(key), 1, kOccupied);
   clearBesideOccupied();
@@ -37,7 +37,7 @@ ScoreGrid ScoreGrid::coarser() const {
     c.size_[axis] = ((low_[axis] + size_[axis] - 1) >> 1) + 1 - c.low_[axis];
   }
   c.values_.assign(c.cells() + kLanes,
-                   kFree);  // the outermost cells are unknown, and make theirs so
+                   kFree);  // the outermost cells become unknown by the unknown finer cells
   for (int z = 0; z < size_[2]; z++)
     for (int y = 0; y < size_[1]; y++)
       for (int x = 0; x < size_[0]; x++) {

@@ -16,20 +16,21 @@
 
 namespace mrpt::fusion {
 
-using Cell = std::array<int, 3>;  ///< Coordinates of a cell, in cells from the map's origin
+using Cell = std::array<int, 3>;  ///< Coordinates of a cell, cells from the map's origin
 
-/** A coarse copy of a map, of the octree's own cubes: whether an obstacle at a cell speaks for a
- * pose or against it. A cell beside an occupied one says nothing: quantisation puts many points of
- * a wall there. Dense, x fastest; beyond it all is unknown. */
+/** A coarse copy of a map whose cells are cubes of the octree. The value of a cell is the effect of
+ * an obstacle there on the score of a pose. Free cells beside occupied cells count as unknown,
+ * because quantisation puts many points of a wall there. Dense, x fastest. All space outside is
+ * unknown. */
 class ScoreGrid {
  public:
-  /** Sums of up to kMostSummed values keep both counts apart. */
+  /** Values of cells. A sum of up to kMostSummed values holds both counts, one in each byte. */
   static constexpr uint16_t kUnknown = 0, kOccupied = 1, kFree = 256;
   static constexpr size_t kMostSummed = 255;
 
-  /** Cells are the octree's cubes of 2^level voxels. */
+  /** Size of the cells: cubes of the octree with a side of 2^level voxels. */
   struct Layout {
-    double cell;  ///< side, m
+    double cell;  ///< Side of a cell, m
     unsigned level;
 
     Cell cellOf(const Eigen::Vector3d& p) const {
@@ -45,21 +46,21 @@ class ScoreGrid {
     }
   };
 
-  /** The part of \a map within \a region. */
+  /** Copies the part of \a map within \a region. */
   ScoreGrid(const MapVoxels& map, const Eigen::AlignedBox3d& region, const Layout& layout);
 
-  /** The same with cells twice as wide: occupied if one in it is, free if all are, so that no
-   * obstacle that confirms a pose is lost. */
+  /** Returns the grid with cells twice as wide. A cell is occupied if it contains an occupied cell,
+   * and free if all its cells are free. So no obstacle that confirms a pose is lost. */
   ScoreGrid coarser() const;
 
   Cell cellOf(const Eigen::Vector3d& p) const { return layout_.cellOf(p); }
 
-  /** Sums of a row are padded to whole instructions. */
+  /** Number of values in a vector instruction. Rows of sums are padded to a multiple of it. */
   static constexpr int kLanes = 8;
   static int padded(int length) { return (length + kLanes - 1) / kLanes * kLanes; }
 
-  /** Adds the values of a box of cells, by rows along x of a padded length, y before z. What is
-   * added to the rows' padding means nothing. */
+  /** Adds the values of a box of cells to \a sums, in rows along x of padded length, y before z.
+   * The sums in the padding have no meaning. */
   void addBox(const Cell& low, const Cell& size, uint16_t* __restrict sums) const;
 
  private:
@@ -73,10 +74,10 @@ class ScoreGrid {
            static_cast<size_t>(x);
   }
 
-  /** Free for now are all cells that have a free voxel. */
+  /** Marks the cells with a free voxel as free. Occupied cells are marked later. */
   void markFree(const OcTreeCube& cube);
 
-  /** Sets the cells of a cube, as far as they are in the grid. */
+  /** Sets the cells of a cube that lie in the grid. */
   void mark(const Cell& cube, int side, uint16_t value);
 
   void clearBesideOccupied();

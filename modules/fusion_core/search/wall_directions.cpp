@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Histograms of headings, and the directions that most surfaces face. */
+ * Finds the directions that most surfaces face. */
 #include "fusion_core/search/wall_directions.h"
 
 #include <Eigen/Eigenvalues>
@@ -14,7 +14,7 @@ namespace mrpt::fusion {
 std::vector<Eigen::Vector3d> dominantDirections(const Surfaces& surfaces, size_t most,
                                                 const AllRotationsParams& params) {
   const double alike = std::cos(params.alike), apart = std::cos(params.apart);
-  std::vector<Eigen::Vector3d> normals;  // times the square root of their weight
+  std::vector<Eigen::Vector3d> normals;  // normals times the square root of their weights
   const size_t stride = strideFor(surfaces.normal.size(), params.sample_surfaces);
   for (size_t i = 0; i < surfaces.normal.size(); i += stride)
     if (!surfaces.normal[i].isZero())

@@ -13,12 +13,11 @@
 #include "fusion_core/features/surfaces.h"
 
 /** \file
- * Which way walls and floors face. */
+ * The directions that walls and floors face. */
 
 namespace mrpt::fusion {
 
-/** How well the walls of two maps, by the headings of their normals, lie along each other as one
- * map turns. */
+/** Alignment of the walls of two maps over the yaw, from the headings of the normals. */
 class WallDirections {
  public:
   WallDirections(const std::vector<Eigen::Vector3f>& a, const std::vector<Eigen::Vector3f>& b,
@@ -36,7 +35,7 @@ class WallDirections {
     least_ = mean + share * (best_ - mean);
   }
 
-  /** Whether turning b by an angle, or by up to half a step more or less, may be right, rad. */
+  /** True if a rotation of B by a yaw within half a step of \a yaw is plausible, rad. */
   bool arePlausible(double yaw, double step) const {
     const int middle = static_cast<int>(std::lround(yaw / kBin));
     const int half = static_cast<int>(std::ceil(0.5 * step / kBin));
@@ -46,7 +45,7 @@ class WallDirections {
   }
 
  private:
-  static constexpr int kBins = 180;  ///< of half a turn: normals have no sign
+  static constexpr int kBins = 180;  ///< Bins of half a turn: normals have no sign
   static constexpr double kBin = M_PI / kBins;
   using Histogram = std::array<double, kBins>;
 
@@ -54,7 +53,7 @@ class WallDirections {
 
   static Histogram histogram(const std::vector<Eigen::Vector3f>& normals,
                              const Eigen::Matrix3d& R) {
-    constexpr int kSpread = 2;  // degrees: normals of walls scatter
+    constexpr int kSpread = 2;  // deg: the normals of walls scatter
     Histogram h{};
     for (const Eigen::Vector3f& normal : normals) {
       const Eigen::Vector3d n = R * normal.cast<double>();
@@ -70,9 +69,10 @@ class WallDirections {
   double best_ = 0, least_ = 0;
 };
 
-/** The directions (unit, either sign stands for both) that most surfaces face, each 20 deg from the
- * others, the one of the most surface first; none that less than a fiftieth of all surfaces face.
- */
+/** Returns the directions that most surfaces face, largest surface first, at most \a most. They are
+ * unit vectors; a direction and its opposite are the same. The least angle between two directions
+ * is AllRotationsParams::apart. The least share of all surfaces that face a direction is
+ * AllRotationsParams::min_share. */
 std::vector<Eigen::Vector3d> dominantDirections(const Surfaces& surfaces, size_t most,
                                                 const AllRotationsParams& params);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Counts the obstacles that maps confirm, and those in free space. */
+ * Counts confirmed obstacles and conflicts at a pose. */
 #include "fusion_core/verdict/agreement.h"
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace mrpt::fusion {
 namespace {
 
-/** What a map says of another's obstacles: so many confirmed, and so many in its free space. */
+/** Numbers of the other map's obstacles that a map confirms, and that lie in its free space. */
 struct Testimony {
   double confirmed = 0, contradicted = 0;
 };

@@ -10,27 +10,28 @@
 #include "fusion_core/map/map_voxels.h"
 
 /** \file
- * How well two maps agree at a pose: what hypotheses are ranked by. */
+ * The agreement of two maps at a pose, which ranks hypotheses. */
 
 namespace mrpt::fusion {
 
-/** Some of a map's obstacles, to compare poses with. */
+/** Some obstacles of a map, for comparisons of poses. */
 struct Obstacles {
-  std::vector<Eigen::Vector3f> centre;  ///< m, map frame
-  /** Unit normal of the obstacle's surface towards the free space before it; zero where the map has
-   * seen it from both sides, or knows no free space there. */
+  std::vector<Eigen::Vector3f> centre;  ///< Centres of the obstacles, m, map frame
+  /** Unit normal of the obstacle's surface, towards the free space in front of it. Zero if there is
+   * free space on both sides or on no side. */
   std::vector<Eigen::Vector3f> front;
 };
-/** The obstacles that a map's surface voxels are, with the side from which it has seen them. */
+/** Converts surface voxels to obstacles with the side from which the map has seen them. */
 Obstacles obstaclesOf(const MapVoxels& map, const SurfaceVoxels& voxels,
                       const AgreementParams& params = {});
 
-/** How well two maps agree at a pose, by some obstacles of each (not in the paper): the number of
- * obstacles that the other map confirms, times exp(-r / tolerance), where r is the share of
- * obstacles in the other map's free space, of all obstacles that it knows the place of. The right
- * pose has few conflicts (0 to 7 % on all our maps), while a wrong pose may have the larger
- * overlap. An obstacle counts in full if both maps see it from the same side, else in part: a floor
- * on a ceiling, or two rooms back to back, contradict nothing. */
+/** Returns the agreement of two maps at a pose (not in the paper): the number of obstacles that the
+ * other map confirms, times exp(-r / tolerance). r is the conflict ratio: obstacles in the other
+ * map's free space over obstacles that the other map confirms or contradicts.
+ *
+ * The right pose has few conflicts (0 to 7 % on all our maps). A wrong pose may have a larger
+ * overlap. An obstacle has weight 1 if both maps see it from the same side, otherwise
+ * AgreementParams::other_side: a floor on a ceiling, and rooms back to back, have no conflicts. */
 double agreement(const MapVoxels& a, const Obstacles& of_a, const MapVoxels& b,
                  const Obstacles& of_b, const Eigen::Isometry3d& T_a_b,
                  const AgreementParams& params = {});

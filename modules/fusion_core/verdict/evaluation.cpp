@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * The evidence for and against a match, and the verdict that follows. */
+ * Computes the evidence for and against a match, and the verdict. */
 #include "fusion_core/verdict/evaluation.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 namespace mrpt::fusion {
 namespace {
 
-/** Standard deviations in words. */
+/** Returns standard deviations as text. */
 std::string slack(const PoseDeviation& d) {
   constexpr double kUnbounded = 100;  // m, rad
   char text[96];
@@ -34,7 +34,7 @@ std::string percent(double ratio) {
   return text;
 }
 
-/** How many voxels of a larger size a map's occupied voxels would be. O(n log n). */
+/** Returns the number of voxels of \a size that hold a map's occupied voxels. Cost: O(n log n). */
 size_t countInVoxelsOf(double size, const OccupiedVoxels& voxels) {
   std::vector<std::array<int, 3>> taken(voxels.size());
   std::transform(voxels.centre.begin(), voxels.centre.end(), taken.begin(), [&](const auto& p) {
@@ -45,7 +45,7 @@ size_t countInVoxelsOf(double size, const OccupiedVoxels& voxels) {
   return static_cast<size_t>(std::unique(taken.begin(), taken.end()) - taken.begin());
 }
 
-/** The share of a map's voxels that is left when they are counted in voxels of a size. */
+/** Returns countInVoxelsOf() over the number of the map's voxels. */
 double coarseningTo(double size, const OccupiedVoxels& voxels) {
   if (size <= voxels.resolution || voxels.size() == 0) return 1;
   return static_cast<double>(countInVoxelsOf(size, voxels)) / static_cast<double>(voxels.size());
@@ -95,7 +95,8 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
                stride_b = strideFor(b.voxels.size(), params.voxels);
   e.asked = (b.voxels.size() + stride_b - 1) / stride_b;
   e.pairs = pairs.size();
-  // Both in voxels of the larger size: a wall counts no more for being of many small ones.
+  // Both maps are counted in voxels of the larger size: smaller voxels must not increase the weight
+  // of a wall.
   const double size = std::max(a.voxels.resolution, b.voxels.resolution);
   const double counted_a = coarseningTo(size, a.voxels),
                counted_b = coarseningTo(size, b.voxels) * static_cast<double>(stride_b);
@@ -115,7 +116,7 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
     e.mean_mahalanobis = sum / static_cast<double>(pairs.size());
     e.inlier_ratio = static_cast<double>(e.inliers) / static_cast<double>(pairs.size());
   }
-  // Both by the same stride, so that neither map counts for more.
+  // Both maps use the same stride, so both have the same weight.
   const size_t stride = std::max(stride_a, stride_b);
   const FreeSpaceCheck b_in_a = checkFreeSpace(a, b.voxels, T_a_b, stride);
   const FreeSpaceCheck a_in_b = checkFreeSpace(b, a.voxels, T_a_b.inverse(), stride);

@@ -11,38 +11,42 @@
 #include "fusion_core/map/map_voxels.h"
 
 /** \file
- * Judging a match: eqs. (23)-(25), joined by free space, rivals and how firmly the pose is held. */
+ * The verdict on a match: eqs. (23)-(25), free space, rivals, and standard deviations. */
 
 namespace mrpt::fusion {
 
-/** Eq. (25): the overlap Theta, mean share of matched voxels in both maps, [0,1]. */
+/** Eq. (25): returns the overlap Theta, the mean share of matched voxels in both maps, [0,1]. */
 double overlapOf(double matches, double voxels_a, double voxels_b);
 
-/** The least inlier ratio accepted at an overlap (the list after eq. 25), by default: 0.8 up to
- * Theta = 0.2, 0.9 - Theta / 2 up to 0.6, then 0.6. The paper's Fig. 9: 0.7 at 0.4. */
+/** Returns the least accepted inlier ratio at an overlap Theta (the list after eq. 25). Default:
+ * 0.8 up to Theta = 0.2, 0.9 - Theta / 2 up to Theta = 0.6, 0.6 above. In the paper's Fig. 9 it is
+ * 0.7 at Theta = 0.4. */
 double acceptanceThreshold(double overlap, const EvaluationParams& params = {});
 
-/** The probability that a pose is off by at most the tolerance, each part a Gaussian error in the
- * direction that is known least. */
+/** Returns the probability that the error of a pose is within the tolerance. The errors of position
+ * and rotation are Gaussians in their least certain directions. */
 double probabilityOfStaying(const PoseDeviation& deviation, const PoseTolerance& tolerance = {});
 
-/** Looks occupied voxels of B up in map A, one way: every \a stride -th.
- * O(voxels of B / stride). */
+/** Compares every \a stride -th occupied voxel of B with map A. Cost: O(voxels of B / stride). */
 FreeSpaceCheck checkFreeSpace(const MapVoxels& a, const OccupiedVoxels& b,
                               const Eigen::Isometry3d& T_a_b, size_t stride = 1);
 
-/** Eqs. (23)-(25) on the pairs of a match, joined by what they ignore: a wrong pose can lay floor
- * on floor, but it puts walls where the other robot has seen free space.
- * \param[in] a,b The maps A and B. \param[in] pairs Pairs of voxels at T_a_b, gated as in matching,
- * of params.voxels of B's voxels. \param[in] T_a_b Pose of map B in A's frame. \param[in] params
- * What is accepted. \param[in] runner_up See MatchResult::runnerUp(). \param[in] deviation Of the
- * pose: a corridor without features matches well, but slides. */
+/** Computes the verdict from eqs. (23)-(25) on the pairs of a match, and from evidence that these
+ * equations ignore. A wrong pose can lay floors on floors, but it puts walls into the other map's
+ * free space.
+ * \param[in] a,b The maps A and B.
+ * \param[in] pairs Pairs at T_a_b of params.voxels voxels of B, gated as in registration.
+ * \param[in] T_a_b Pose of map B in A's frame.
+ * \param[in] params Conditions of an accepted match.
+ * \param[in] runner_up See MatchResult::runnerUp().
+ * \param[in] deviation Standard deviations of the pose. They are large if the match can slide, for
+ * example along a corridor without features. */
 Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pairs,
                          const Eigen::Isometry3d& T_a_b, const EvaluationParams& params,
                          double runner_up = 0, const PoseDeviation& deviation = {});
 
-/** The verdict on a match by what the match holds: evaluateMatch() with its pairs, its rivals and
- * its covariance. Only judges: it neither searches nor changes the match. */
+/** Computes the verdict on a match by evaluateMatch(), from the pairs, rivals and covariance of the
+ * match. It neither searches nor changes the match. */
 Evaluation judge(const MapFeatures& a, const MapFeatures& b, const MatchResult& match,
                  const EvaluationParams& params);
 

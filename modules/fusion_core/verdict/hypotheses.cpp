@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Ranks poses by how well the maps agree. */
+ * Ranks poses by the agreement of the maps. */
 #include "fusion_core/verdict/hypotheses.h"
 
 #include <tbb/parallel_invoke.h>
@@ -21,7 +21,8 @@ bool isSamePlace(const Eigen::Isometry3d& T, const Eigen::Isometry3d& U,
 
 bool agreesBetter(const RankedPose& g, const RankedPose& h) { return g.agreement > h.agreement; }
 
-/** Best first; of poses at the same place only the best. \param[in] middle Of map B. */
+/** Returns the poses, best first. Of poses at the same place it returns only the best. \a middle is
+ * the mean of B's voxels, m, B's frame. */
 std::vector<RankedPose> distinct(std::vector<RankedPose> all, const Eigen::Vector3d& middle,
                                  const PoseTolerance& tolerance) {
   std::stable_sort(all.begin(), all.end(), agreesBetter);
@@ -119,7 +120,7 @@ void compareRivals(const MapFeatures& a, const MapFeatures& b, const VoxelAssoci
       poses.push_back(h.T_a_b);
   if (poses.size() < 2) return;
   auto compared = PoseComparison(a, b, association, params, ranking.rival_voxels).ranked(poses);
-  // The others stay as far behind as they were.
+  // The other poses keep their ratio to the best pose.
   const double scale = compared.front().agreement / hypotheses.front().agreement;
   for (size_t i = poses.size(); i < hypotheses.size(); i++) {
     hypotheses[i].agreement *= scale;

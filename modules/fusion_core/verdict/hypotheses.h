@@ -14,49 +14,55 @@
 #include "fusion_core/verdict/agreement.h"
 
 /** \file
- * Poses compared with one another: which is the best, and which rivals it has. */
+ * Comparison of poses: finds the best pose and its rivals. */
 
 namespace mrpt::fusion {
 
-/** What a comparison of poses depends on. */
+/** Settings of a comparison of poses. */
 struct ComparisonParams {
-  RegistrationParams registration;  ///< How poses are refined
-  RankingParams ranking;            ///< How finely, by how many voxels
-  PoseTolerance tolerance;          ///< Poses nearer than this are the same place
-  double spacing;                   ///< Width of the cubes that give one voxel each at most, m
+  RegistrationParams registration;  ///< Settings of the refinement
+  RankingParams ranking;            ///< Numbers of voxels and poses, precision
+  PoseTolerance tolerance;          ///< Largest distance of poses at the same place
+  double spacing;                   ///< Width of the cubes that give at most one voxel each, m
 };
 
-/** Registration parameters for poses that are compared before they are known precisely. */
+/** Returns registration parameters of lower precision, for the comparison of poses. */
 RegistrationParams roughly(RegistrationParams registration, const RankingParams& ranking);
 
-/** Distance of two poses of map B, 1 at the tolerance: the larger part counts.
- * \param[in] middle Of B's voxels, m, B's frame. */
+/** Returns the distance of two poses T and U of map B: the larger of the distances of position and
+ * rotation, each divided by its tolerance.
+ * \param[in] T,U The poses.
+ * \param[in] middle Mean of B's voxels, m, B's frame.
+ * \param[in] tolerance The tolerance. */
 double distanceBetween(const Eigen::Isometry3d& T, const Eigen::Isometry3d& U,
                        const Eigen::Vector3d& middle, const PoseTolerance& tolerance);
 
-/** Compares poses by some voxels of each map: refines them on these, and counts how well the maps
- * agree there. Refers to maps and association, which must outlive it. Several threads may use it.
- */
+/** Comparison of poses by some voxels of each map: refines the poses with these voxels, and
+ * computes the agreement of the maps. It refers to the maps and the association, which must outlive
+ * it. Several threads may use it. */
 class PoseComparison {
  public:
-  /** \param[in] a,b The maps. \param[in] association Of a's matched voxels. \param[in] voxels
-   * Number of voxels of each map. */
+  /** \param[in] a,b Features of the maps A and B.
+   * \param[in] association Association of A's matched voxels.
+   * \param[in] params Settings.
+   * \param[in] voxels Number of voxels of each map. */
   PoseComparison(const MapFeatures& a, const MapFeatures& b, const VoxelAssociation& association,
                  const ComparisonParams& params, size_t voxels);
   /** \overload
-   * \param[in] few_b B's voxels, see voxelsOf(). */
+   * Uses the given voxels \a few_b of B, see voxelsOf(). */
   PoseComparison(const MapFeatures& a, const MapFeatures& b, const VoxelAssociation& association,
                  const ComparisonParams& params, size_t voxels, SurfaceVoxels few_b);
 
-  /** The voxels of a map that a comparison by a number of voxels takes. */
+  /** Returns the voxels of a map for a comparison by \a voxels voxels. */
   static SurfaceVoxels voxelsOf(const MapFeatures& map, const ComparisonParams& params,
                                 size_t voxels);
 
-  /** The poses that the starts lead to, best first; of poses at the same place only the best. */
+  /** Refines the starts and returns the resulting poses, best first. Of poses at the same place it
+   * returns only the best. */
   std::vector<RankedPose> ranked(const std::vector<Eigen::Isometry3d>& starts) const;
-  /** As MatchResult::covariance, by these voxels. */
+  /** Returns the covariance of a pose from these voxels, see MatchResult::covariance. */
   Matrix6d covarianceAt(const Eigen::Isometry3d& T_a_b) const;
-  /** How well the maps agree at a pose, see agreement(). */
+  /** Returns the agreement of the maps at a pose, see agreement(). */
   double agreementAt(const Eigen::Isometry3d& T_a_b) const;
 
  private:
@@ -72,20 +78,20 @@ class PoseComparison {
   Obstacles of_a_, of_b_;
 };
 
-/** Compares the poses that rival with the best once more, by more voxels. */
+/** Compares the best pose and its rivals again, with more voxels. */
 void compareRivals(const MapFeatures& a, const MapFeatures& b, const VoxelAssociation& association,
                    const ComparisonParams& params, std::vector<RankedPose>& hypotheses);
 
-/** All voxels may take the best pose elsewhere than the few voxels did by which it was compared.
- * Then the pose that they lead to is compared with the others: it is the first, whatever they are
- * worth. */
+/** Updates the hypotheses if the registration with all voxels has moved the pose by more than
+ * RankingParams::moved_share of the tolerance. The final pose is then compared with the hypotheses,
+ * and becomes the first hypothesis for any agreement. */
 void compareWhatWasReached(const MapFeatures& a, const MapFeatures& b,
                            const VoxelAssociation& association, const ComparisonParams& params,
                            MatchResult& result);
 
-/** Compares a match with a pose found elsewhere. If the maps agree so much better there that the
- * agreement of the match is less than \a as_good times it, inserts that pose as
- * result.hypotheses[1] and returns true. */
+/** Compares a match with a pose from another search. If the agreement of the match is less than
+ * \a as_good times the agreement of that pose, inserts that pose as result.hypotheses[1] and
+ * returns true. */
 bool compareWithPoseElsewhere(const MapFeatures& a, const MapFeatures& b,
                               const Eigen::Isometry3d& elsewhere, double as_good,
                               const ComparisonParams& params, MatchResult& result);

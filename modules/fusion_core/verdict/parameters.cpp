@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Keys, ranges and meanings of the parameters of ranking and verdict. */
+ * Lists keys, ranges and meanings of the parameters of ranking and verdict. */
 #include "fusion_core/verdict/parameters.h"
 
 namespace mrpt::fusion {

@@ -6,17 +6,17 @@
 #include "fusion_base/parameter.h"
 
 /** \file
- * The parameters of ranking and verdict, as settings files have them. */
+ * The parameters of ranking and verdict in settings files. */
 
 namespace mrpt::fusion {
 
-/** Refers to the fields of \a params, which must outlive the result. */
+/** Lists the parameters. They refer to the fields of \a params, which must outlive the result. */
 Parameters parametersOf(RankingParams& params);
 /** \overload
- * Without the model, which has a section of its own. */
+ * Lists the parameters except the verdict model, which has its own section. */
 Parameters parametersOf(EvaluationParams& params);
 /** \overload
- * The coefficients, as verdict_model.ini has them. */
+ * Lists the coefficients of the verdict model in verdict_model.ini. */
 Parameters parametersOf(VerdictModel& model);
 
 }  // namespace mrpt::fusion

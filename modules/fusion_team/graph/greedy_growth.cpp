@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Grows one map by the maps that can be trusted to meet it. */
+ * Fuses maps by greedy growth: the map with the most probable accepted match joins first. */
 #include <mrpt/core/exceptions.h>
 #include <mrpt/fusion/many_maps.h>
 
@@ -12,7 +12,7 @@
 namespace mrpt::fusion {
 namespace {
 
-/** What is known of a map's frame in the frame of another map. */
+/** Returns the prior of a map's pose in the frame of another map. */
 Prior priorOf(const RobotMap& map, const RobotMap& in) {
   const double unknown = kUnknownPoseSigma * kUnknownPoseSigma;
   for (const auto& cov : {map.pose.cov, in.pose.cov})
@@ -20,7 +20,7 @@ Prior priorOf(const RobotMap& map, const RobotMap& in) {
   return Prior::gaussian(map.pose - in.pose);
 }
 
-/** The growth of one map by others. */
+/** The growth of the first map by other maps. */
 class Growth {
  public:
   Growth(const std::vector<RobotMap>& maps, const Options& options, const OnMember& on_member,
@@ -49,7 +49,7 @@ class Growth {
   }
 
  private:
-  /** Matches a map with all that have joined; its member keeps the best match. */
+  /** Matches a map with all joined maps. Its member keeps the best match. */
   void matchWithJoined(size_t i) {
     for (const size_t j : joined_) {
       if (is_matched_[i][j]) continue;
@@ -77,7 +77,7 @@ class Growth {
         is_first ? member.alignment.pose() : result_.members[j].pose + member.alignment.pose();
   }
 
-  /** The map with the most probable match that may join. */
+  /** Returns the map with the most probable match that may join, or nothing. */
   std::optional<size_t> mostProbable(bool even_rejected) {
     std::optional<size_t> best;
     for (size_t i = 0; i < maps_.size(); i++) {
@@ -105,8 +105,8 @@ class Growth {
   const Options& options_;
   const OnMember& on_member_;
   const OnIteration& on_iteration_;
-  std::vector<std::vector<bool>> is_matched_;  // by both maps' numbers
-  std::vector<size_t> joined_;                 // in their order; the first keeps its frame
+  std::vector<std::vector<bool>> is_matched_;  // by the indices of both maps
+  std::vector<size_t> joined_;  // joined maps in their order; the first map keeps its frame
   ManyFused result_;
 };
 

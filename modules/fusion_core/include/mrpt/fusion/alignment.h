@@ -18,37 +18,42 @@
 
 namespace mrpt::fusion {
 
-/** The pose of map B in the frame of map A, the verdict, and what was found out on the way. */
+/** The pose of map B in the frame of map A, the verdict, and the records of both. */
 struct MRPT_FUSION_API Alignment {
   MatchResult match;              ///< Pose, covariance, hypotheses, iterations, pairs
   Evaluation evaluation;          ///< The verdict and its reasons
-  bool by_edges = false;          ///< True if edges alone were compared, as a map is edges alone
-  size_t edges_a = 0;             ///< Edge voxels of A
-  size_t edges_b = 0;             ///< Edge voxels of B
-  size_t voxels_a = 0;            ///< Occupied voxels of A
-  size_t voxels_b = 0;            ///< Occupied voxels of B; 0: nothing was matched
+  bool by_edges = false;          ///< True if only edges were compared: a map has only edges
+  size_t edges_a = 0;             ///< Number of edge voxels of A
+  size_t edges_b = 0;             ///< Number of edge voxels of B
+  size_t voxels_a = 0;            ///< Number of occupied voxels of A
+  size_t voxels_b = 0;            ///< Number of occupied voxels of B; 0: no match was made
   double seconds_matching = 0;    ///< Wall time of search, ranking and both levels, s
   double seconds_evaluation = 0;  ///< Wall time of the verdict, s
 
-  /** The pose as MRPT's Gaussian of (x, y, z, yaw, pitch, roll); made of match. */
+  /** Converts the pose of match to MRPT's Gaussian of (x, y, z, yaw, pitch, roll). */
   mrpt::poses::CPose3DPDFGaussian pose() const;
-  /** The distinct poses that were compared, best first, as MRPT's sum of Gaussians: a mode each,
-   * with the logarithm of its agreement as log-weight; made of match. Empty without a search. */
+  /** Converts the hypotheses of match to MRPT's sum of Gaussians, best pose first. Each pose is a
+   * mode; its log-weight is the logarithm of its agreement. Empty without a search. */
   mrpt::poses::CPose3DPDFSOG hypotheses() const;
 };
 
-/** Two-level probabilistic map matching, and whether its result can be trusted: matchMaps(), then
- * verify(). If either map is edges alone, the edges of both are compared, and free space where it
- * is known: that tells where the maps meet, and is never accepted. Deterministic, whatever the
- * number of threads. \param[in] a,b The maps A and B. \param[in] prior What is known of B's pose in
- * A's frame. \param[in] options All but features and merge. \param[in] on_iteration Called after
- * each iteration, if given; never by two threads at a time. \exception std::exception If the guess
- * is no pose, or a map has no occupied (edge) voxel. */
+/** Estimates the pose of B in A by two-level probabilistic map matching, and judges the result:
+ * matchMaps(), then verify().
+ *
+ * If a map has only edges, the edges of both maps are compared, and free space where it is known.
+ * The result shows where the maps meet. It is never accepted.
+ * The result does not depend on the number of threads.
+ * \param[in] a,b The maps A and B.
+ * \param[in] prior Knowledge of B's pose in A's frame.
+ * \param[in] options Parameters; `features` and `merge` are not used.
+ * \param[in] on_iteration Called after each iteration, if given; never by two threads at a time.
+ * \exception std::exception If the guess is not finite or farther away than maps can reach, if a
+ * map has no occupied (edge) voxel, or if one voxel size is more than 1000 times the other. */
 MRPT_FUSION_API Alignment align(const PreparedMap& a, const PreparedMap& b, const Prior& prior,
                                 const Options& options, const OnIteration& on_iteration = {});
 
-/** Judges a given pose of B in A. The result's match has the pairs at that pose.
- * \exception std::exception If a map is edges alone. */
+/** Judges a given pose of B in A. The match of the result holds the pairs at that pose.
+ * \exception std::exception If a map has only edges. */
 MRPT_FUSION_API Alignment evaluate(const PreparedMap& a, const PreparedMap& b,
                                    const mrpt::poses::CPose3D& pose, const Options& options);
 

@@ -2,7 +2,7 @@
 #pragma once
 
 /** \file
- * What the libraries give to the linker: all else is hidden. */
+ * Marks the symbols that the libraries export. All other symbols are hidden. */
 
 /** Marks a function or class of the public headers: other programs may link to it. */
 #define MRPT_FUSION_API __attribute__((visibility("default")))

@@ -10,54 +10,57 @@
 #include <vector>
 
 /** \file
- * The paper's Sec. V-B: one map of two. */
+ * The paper's Sec. V-B: merges two maps into one. */
 
 namespace mrpt::fusion {
 
-/** What a voxel holds that both maps know. */
+/** Rule for the value of a voxel that is known in both maps. */
 enum class MergePolicy {
-  RelativeEntropy,  ///< the paper's filter, eqs. (26)-(28): within the KL threshold the weighted
-                    ///< mean, beyond it the higher probability
-  Average,          ///< mean of the probabilities (a baseline of the paper)
-  Stitch,           ///< map A's value: the maps are laid side by side, B fills in what A does not
-                    ///< know (a baseline of the paper)
-  Bayes  ///< sum of the log-odds: both maps' observations counted as independent (the default:
+  RelativeEntropy,  ///< The paper's filter, eqs. (26)-(28): weighted mean up to the KL threshold,
+                    ///< otherwise the higher probability
+  Average,          ///< Mean of the probabilities (a baseline of the paper)
+  Stitch,           ///< Value of map A; B only fills space that is unknown in A (a baseline of
+                    ///< the paper)
+  Bayes  ///< Sum of the log-odds: the observations of both maps count as independent (the default:
          ///< nearest to the truth, see doc/benchmarks.md)
 };
 
-/** The policies with their names in .ini files and on the command line. */
+/** Returns the policies with their names in .ini files and on the command line. */
 MRPT_FUSION_API const std::vector<std::pair<MergePolicy, const char*>>& mergePolicyNames();
 
 /** Settings of mergeMaps(). */
 struct MergeParams {
-  MergePolicy policy = MergePolicy::Bayes;  ///< for voxels that both maps know
-  double kl_threshold = 0.1;                ///< of relativeEntropy(), nats (Table I)
+  MergePolicy policy = MergePolicy::Bayes;  ///< Rule for voxels known in both maps
+  double kl_threshold = 0.1;  ///< Largest relativeEntropy() for the mean, nats (Table I)
 };
 
-/** Eq. (27): KL(p || q) of two occupancy probabilities, nats, >= 0, not symmetric. Probabilities
- * are first clamped to [1e-6, 1 - 1e-6]. */
+/** Eq. (27): returns KL(p || q) of two occupancy probabilities, nats, >= 0, not symmetric. The
+ * probabilities are first clamped to [1e-6, 1 - 1e-6]. */
 MRPT_FUSION_API double relativeEntropy(double p, double q);
 
-/** Eq. (28): the mean of two probabilities, each weighted by itself; never below their mean. */
+/** Eq. (28): returns the mean of two probabilities, each weighted by itself. It is never below the
+ * unweighted mean. */
 MRPT_FUSION_API double weightedMean(double p, double q);
 
-/** The fused value of a voxel known to both maps.
- * \param[in] a,b Log-odds in map A (model) and map B (scene). \param[in] params The policy.
- * \param[in] clamp_min,clamp_max Clamping thresholds of the result, log-odds. \return Log-odds.
- * Bayes sums stay within [clamp_min, clamp_max], or the inputs where they lie outside. */
+/** Returns the fused value of a voxel that is known in both maps.
+ * \param[in] a,b Log-odds in map A and map B.
+ * \param[in] params The policy.
+ * \param[in] clamp_min,clamp_max Clamping thresholds of the result, log-odds.
+ * \return Log-odds. Sums of the policy Bayes stay within [clamp_min, clamp_max]. If an input lies
+ * outside of that range, the range is extended to the input. */
 MRPT_FUSION_API float fuseLogOdds(float a, float b, const MergeParams& params, float clamp_min,
                                   float clamp_max);
 
-/** Merges whole maps: occupied, free and unknown space.
+/** Merges occupied, free and unknown space of two maps.
  *
- * Map B is resampled onto map A's grid (transformOcTree); where only one map knows a
- * place, the result has its value; where neither does, it stays unknown.
+ * transformOcTree() resamples map B onto map A's grid. A place that is known in only one
+ * map has the value of that map. A place that is unknown in both maps stays unknown.
+ * Cost: transformOcTree() plus one traversal of both octrees.
  * \param[in] a,b The maps.
  * \param[in] T_a_b Pose of map B in A's frame.
  * \param[in] params The policy.
- * \return A new pruned tree in A's frame, with A's resolution and sensor model. The inputs are not
- * modified. \exception std::invalid_argument, std::out_of_range As transformOcTree().
- * Cost: that of transformOcTree() plus one traversal of both trees.
+ * \return A new pruned octree in A's frame, with A's resolution and sensor model.
+ * \exception std::invalid_argument, std::out_of_range As transformOcTree().
  */
 MRPT_FUSION_API std::unique_ptr<octomap::OcTree> mergeMaps(const octomap::OcTree& a,
                                                            const octomap::OcTree& b,

@@ -12,34 +12,34 @@
 #include <string>
 
 /** \file
- * All parameters in one place. */
+ * The parameters of all stages. */
 
 namespace mrpt::fusion {
 
-/** The parameters of all stages; the defaults are those of share/mrpt_fusion/config_files/pmm.ini.
- * In .ini files angles end in `_deg`. */
+/** The parameters of all stages. The defaults are the values in
+ * share/mrpt_fusion/config_files/pmm.ini. Keys of angles end in `_deg`. */
 struct MRPT_FUSION_API Options : public mrpt::config::CLoadableOptions {
-  FeatureParams features;           ///< Preparing a map
+  FeatureParams features;           ///< Preparation of a map
   SearchParams search;              ///< Search for starts
-  RegistrationParams registration;  ///< Refining a pose
-  RankingParams ranking;            ///< Comparing poses
+  RegistrationParams registration;  ///< Refinement of a pose
+  RankingParams ranking;            ///< Comparison of poses
   EvaluationParams evaluation;      ///< Verdict
-  MergeParams merge;                ///< Merging
+  MergeParams merge;                ///< Merge of two maps
 
-  /** Loads the keys of a section, and the verdict's model if \a source has a section
-   * [VerdictModel]. Missing keys keep their values. \exception std::exception On a value out of
-   * range, or a key in either section that is no parameter (a misspelt key would else be ignored).
-   * Nothing is changed then. */
+  /** Loads the keys of a section, and the verdict model if \a source has a section [VerdictModel].
+   * Missing keys keep their values.
+   * \exception std::exception If a value is out of range, or a key in these sections is not a
+   * parameter (for example a misspelt key). The options then stay as they were. */
   void loadFromConfigFile(const mrpt::config::CConfigFileBase& source,
                           const std::string& section) override;
-  /** Saves all keys but the verdict's model, each with a comment and its unit. */
+  /** Saves all keys except the verdict model, each with a comment and its unit. */
   void saveToConfigFile(mrpt::config::CConfigFileBase& target,
                         const std::string& section) const override;
 };
 
-/** Section of the verdict's model in .ini files. */
+/** Section of the verdict model in .ini files. */
 constexpr const char* kVerdictModelSection = "VerdictModel";
-/** Saves the verdict's model, as verdict_model.ini has it. */
+/** Saves the verdict model in the form of verdict_model.ini. */
 MRPT_FUSION_API void saveVerdictModel(const VerdictModel& model,
                                       mrpt::config::CConfigFileBase& target);
 

@@ -10,49 +10,51 @@
 #include <Eigen/Geometry>
 
 /** \file
- * Poses as MRPT has them, and what is known of a pose before matching. */
+ * Conversion of poses from and to MRPT's types, and the prior of a match. */
 
 namespace mrpt::fusion {
 
-/** The same pose, m. */
+/** Converts a pose from MRPT to Eigen, m. */
 MRPT_FUSION_API Eigen::Isometry3d toEigen(const mrpt::poses::CPose3D& pose);
-/** The same pose, m. */
+/** Converts a pose from Eigen to MRPT, m. */
 MRPT_FUSION_API mrpt::poses::CPose3D toPose(const Eigen::Isometry3d& T);
 
-/** From the covariance of a left perturbation of T (translation, rotation; A's frame) to MRPT's
- * covariance of (x, y, z, yaw, pitch, roll). Singular at pitch = +-90 deg, as those angles are. */
+/** Converts the covariance of a left perturbation of T (translation, rotation; A's frame) to MRPT's
+ * covariance of (x, y, z, yaw, pitch, roll). The result is singular at pitch = +-90 deg, like these
+ * angles. */
 MRPT_FUSION_API Matrix6d toYawPitchRollCovariance(const Matrix6d& covariance,
                                                   const Eigen::Isometry3d& T);
 
-/** Standard deviation of a position of which nothing is known, m. */
+/** Standard deviation of an unknown position, m. */
 constexpr double kUnknownPoseSigma = 1000;
 
-/** A Gaussian that says nothing but where up is. */
+/** Returns the Gaussian of an unknown pose of an upright map. */
 MRPT_FUSION_API mrpt::poses::CPose3DPDFGaussian noGuess();
 
-/** What is known of B's pose in A's frame before matching. */
+/** Knowledge of B's pose in A's frame before matching. */
 class MRPT_FUSION_API Prior {
  public:
-  /** Nothing but where up is: the search goes everywhere. */
+  /** Returns the prior of an unknown pose: the search goes everywhere. Both maps are upright. */
   static Prior none();
-  /** A guess of unknown quality: the search goes as far as the options say. */
+  /** Returns the prior of a guess without a covariance: the options bound the search. */
   static Prior near(const mrpt::poses::CPose3D& guess);
   /** A guess and how good it is: the search goes kSearchSigmas standard deviations far in position,
    * height and yaw; everywhere if that is kUnknownPoseSigma or more; as near() if the covariance is
    * zero. \exception std::exception If the covariance is not finite or has a negative variance. */
   static Prior gaussian(const mrpt::poses::CPose3DPDFGaussian& guess);
-  /** As gaussian(), for a program that keeps its guesses as MRPT's Gaussians. */
+  /** Converts MRPT's Gaussian, as gaussian(). */
   Prior(const mrpt::poses::CPose3DPDFGaussian& guess)  // NOLINT(google-explicit-constructor)
       : Prior(gaussian(guess)) {}
 
-  /** The guess; the identity if nothing is known. */
+  /** Returns the guess; the identity if the pose is unknown. */
   const mrpt::poses::CPose3D& guess() const { return guess_.mean; }
-  /** True if nothing is known. */
+  /** True if the pose is unknown. */
   bool isNone() const;
-  /** The same as MRPT's Gaussian: noGuess() for none(), a zero covariance for near(). */
+  /** Returns the prior as MRPT's Gaussian: noGuess() for none(), covariance 0 for near(). */
   const mrpt::poses::CPose3DPDFGaussian& pdf() const { return guess_; }
-  /** The search that this prior asks for. \param[in] configured The search of the options. A
-   * configured translation of 0, no search, stays. */
+  /** Returns the search parameters for this prior.
+   * \param[in] configured Search parameters of the options. If their translation is 0 (no search),
+   * they are returned unchanged. */
   SearchParams searchWithin(const SearchParams& configured) const;
 
  private:
@@ -61,7 +63,7 @@ class MRPT_FUSION_API Prior {
   mrpt::poses::CPose3DPDFGaussian guess_;
 };
 
-/** Number of standard deviations that Prior::gaussian() has searched. */
+/** Half width of the search of Prior::gaussian(), standard deviations. */
 constexpr double kSearchSigmas = 3;
 
 }  // namespace mrpt::fusion

@@ -7,22 +7,22 @@
 #include <cstddef>
 
 /** \file
- * How much a map knows, and how surely. */
+ * Counts and entropies of the voxels of a map. */
 
 namespace mrpt::fusion {
 
-/** Figures of a map's voxels, each pruned leaf counted as the finest voxels it stands for. */
+/** Figures of a map's voxels. A pruned leaf counts as all finest voxels in it. */
 struct MapStatistics {
-  size_t occupied = 0;               ///< finest voxels
-  size_t free = 0;                   ///< finest voxels
-  double mean_entropy_occupied = 0;  ///< mean of binaryEntropy() over occupied voxels, nats
-  double mean_entropy_known = 0;     ///< over occupied and free voxels, nats
+  size_t occupied = 0;               ///< Number of occupied finest voxels
+  size_t free = 0;                   ///< Number of free finest voxels
+  double mean_entropy_occupied = 0;  ///< Mean binaryEntropy() of occupied voxels, nats
+  double mean_entropy_known = 0;     ///< Mean over occupied and free voxels, nats
 };
-/** Counts all of a map's voxels. One traversal. */
+/** Counts the voxels of a map. Cost: one traversal. */
 MRPT_FUSION_API MapStatistics statisticsOf(const octomap::OcTree& map);
 
-/** Shannon entropy of an occupancy probability, `-p ln p - (1-p) ln(1-p)`, in nats: the measure of
- * the paper's Table V. 0 at p = 0 and p = 1. */
+/** Returns the Shannon entropy of an occupancy probability, `-p ln p - (1-p) ln(1-p)`, nats: the
+ * measure of the paper's Table V. It is 0 at p = 0 and p = 1. */
 MRPT_FUSION_API double binaryEntropy(double p);
 
 }  // namespace mrpt::fusion

@@ -13,25 +13,27 @@
 
 namespace mrpt::fusion {
 
-/** Most voxels that a map is expanded to: a tiny hostile file can hold one leaf that stands for
- * 2^48 of them. */
+/** Largest number of voxels of an expanded map. The limit guards against hostile files: a tiny file
+ * can hold one leaf of 2^48 finest voxels. */
 constexpr size_t kMaxVoxels = 100'000'000;
 
 /** The occupied voxels of a map at its finest resolution: the paper's tuples (centre, size,
- * probability), as parallel arrays in the order of the octree's leaves, as if none were pruned: the
- * voxels of each cube of the tree follow each other. */
+ * probability) as parallel arrays. The order is that of the leaves of an octree without pruning:
+ * the voxels of each cube of the octree follow each other. */
 struct OccupiedVoxels {
-  double resolution = 0;                ///< voxel size d_m, metres
-  std::vector<Eigen::Vector3f> centre;  ///< metres, in the map's frame
-  std::vector<float> probability;       ///< of being occupied, (0,1)
-  std::vector<octomap::OcTreeKey> key;  ///< finest-level octree key of each
+  double resolution = 0;                ///< Voxel size d_m, m
+  std::vector<Eigen::Vector3f> centre;  ///< Centres, m, map frame
+  std::vector<float> probability;       ///< Probabilities of being occupied, (0,1)
+  std::vector<octomap::OcTreeKey> key;  ///< Octree keys at the finest depth
 
-  size_t size() const { return centre.size(); }  ///< number of voxels
+  size_t size() const { return centre.size(); }  ///< Number of voxels
 };
 
-/** Extracts the occupied voxels (probability at least the tree's occupancy threshold), pruned
- * leaves expanded. One traversal, O(nodes + voxels). \param[in] map An octree. \param[in]
- * max_voxels Most voxels to expand to. \exception std::length_error If there are more. */
+/** Extracts the occupied voxels: probability at least the octree's occupancy threshold. Pruned
+ * leaves are expanded. Cost: one traversal, O(nodes + voxels).
+ * \param[in] map An octree.
+ * \param[in] max_voxels Largest number of voxels.
+ * \exception std::length_error If the map has more occupied voxels than max_voxels. */
 MRPT_FUSION_API OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map,
                                                      size_t max_voxels = kMaxVoxels);
 

@@ -9,24 +9,24 @@
 #include <vector>
 
 /** \file
- * One map of many. */
+ * Fuses the maps that several robots have sent. */
 
 namespace mrpt::fusion {
 
-/** The map of many, and what became of each. */
+/** The fused map, and the result for each robot. */
 struct MRPT_FUSION_API FusionResult {
-  mrpt::maps::CProbOctoMap map;       ///< in the frame of the first robot's map
-  std::vector<FusionMember> members;  ///< in the order of the maps given
+  mrpt::maps::CProbOctoMap map;       ///< Fused map, in the frame of the first robot's map
+  std::vector<FusionMember> members;  ///< Results, in the order of the maps
 
-  /** Whether all joined, but those that are edges alone. */
+  /** Returns whether all maps have joined, except those that are edges alone. */
   bool isComplete() const;
 };
 
 /** Fuses the maps that several robots have sent, see mrpt::fusion::fuseMaps().
- * \param[in] matching Its options and onIteration are used. \param[in] maps The last of each
- * robot. \param[in] even_rejected Let the most probable match join although it is rejected.
- * \param[in] on_member Called before each match. \exception std::exception If there is no map but
- * edges, or one has no occupied voxel, or is of another kind: "<robot>: <reason>". */
+ * \param[in] matching Its options and its onIteration are used. \param[in] maps The latest map of
+ * each robot. \param[in] even_rejected Whether the most probable match joins even if it is
+ * rejected. \param[in] on_member Called before each match. \exception std::exception If all maps
+ * are edges alone, or "<robot>: <reason>" if a map has no occupied voxel or is of another kind. */
 MRPT_FUSION_API FusionResult fuseMaps(const mrpt::slam::CProbabilisticMapMatching& matching,
                                       const std::vector<mrpt::obs::CObservationLocalMap::Ptr>& maps,
                                       bool even_rejected = false, const OnMember& on_member = {});
