@@ -14,7 +14,7 @@ namespace mrpt::fusion {
 
 /** Result of the comparison of an obstacle with a map. */
 enum class Finding : uint8_t {
-  Unknown,   ///< The place is unknown, or free beside an obstacle
+  Unknown,   ///< The place is unknown, without an obstacle in the voxels around it
   Agrees,    ///< The map has an obstacle there or in a neighbouring voxel
   Conflicts  ///< The place is free, without an obstacle in the voxels around it
 };

@@ -70,6 +70,8 @@ class Aligning : public testing::Test {
   }
 
   const Eigen::Isometry3d truth = maps().truth;
+  /** Farther off than refining goes. */
+  const Eigen::Isometry3d wrong = truth * poseOf(3, 1, 0, 25);
 };
 
 // ---------------------------------------------------------------- pose and verdict
@@ -148,7 +150,6 @@ TEST_F(Aligning, TheVerdictIsThatOfTheMatch) {
 
 TEST_F(Aligning, JudgingNeitherSearchesNorChangesTheMatch) {
   const Options options = credulous();
-  const Eigen::Isometry3d wrong = truth * poseOf(1, 0, 0, 0);
   const MatchResult match = matchAt(a().features(), b().features(), wrong, options);
   const MatchResult before = match;
   const Evaluation e = judge(a().features(), b().features(), match, options.evaluation);
@@ -163,7 +164,6 @@ TEST_F(Aligning, JudgingNeitherSearchesNorChangesTheMatch) {
 
 TEST_F(Aligning, VerifyingSearchesEverywhereIfTheVerdictIsNotSure) {
   const Options options = credulous();
-  const Eigen::Isometry3d wrong = truth * poseOf(1, 0, 0, 0);
   MatchResult match = matchAt(a().features(), b().features(), wrong, options);
   const Evaluation e = verify(a().features(), b().features(), options, match);
   EXPECT_FALSE(e.accepted);
@@ -174,7 +174,6 @@ TEST_F(Aligning, VerifyingSearchesEverywhereIfTheVerdictIsNotSure) {
 }
 
 TEST_F(Aligning, VerifyingDoesNotSearchIfItIsNotToOrNeedNot) {
-  const Eigen::Isometry3d wrong = truth * poseOf(1, 0, 0, 0);
   Options never = credulous(), no_search = credulous(), rejected = credulous(),
           everywhere_already = credulous();
   never.evaluation.sure_probability = 0;
@@ -207,9 +206,9 @@ TEST_F(Aligning, AGivenPoseIsJudgedAsItIs) {
   EXPECT_TRUE(right.match.hasPairs());
   EXPECT_TRUE(right.match.iterations.empty());
   EXPECT_EQ(right.voxels_b, b().occupiedVoxels());
-  const Alignment wrong = evaluate(a(), b(), toPose(truth * poseOf(1, 0, 0, 0)), {});
-  EXPECT_FALSE(wrong.evaluation.accepted);
-  EXPECT_LT(wrong.evaluation.probability, right.evaluation.probability);
+  const Alignment off = evaluate(a(), b(), toPose(truth * poseOf(1, 0, 0, 0)), {});
+  EXPECT_FALSE(off.evaluation.accepted);
+  EXPECT_LT(off.evaluation.probability, right.evaluation.probability);
 }
 
 // ---------------------------------------------------------------- edges alone
