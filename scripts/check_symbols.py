@@ -13,7 +13,7 @@ from pathlib import Path
 
 MAX_HEADERS = 24
 DECLARED_CLASS = re.compile(r"\b(?:class|struct)\s+MRPT_FUSION_API\s+(\w+)")
-DECLARED_FUNCTION = re.compile(r"\bMRPT_FUSION_API\b(?!\s*\w+\s*[:{;])([^(;{]*)\(")
+DECLARED_FUNCTION = re.compile(r"(?<!class )(?<!struct )\bMRPT_FUSION_API\b([^(;{]*)\(")
 # The symbol table and what the linker itself adds.
 LINKER = {"_init", "_fini", "_edata", "_end", "__bss_start"}
 

@@ -37,9 +37,7 @@ std::set<float> logOddsOf(const octomap::OcTree& tree) {
 }
 
 /** Every value and the structure, bit for bit. */
-std::string bitsOf(const CProbOctoMap& map) {
-  return mrpt::fusion::serializeNodes(map.octree());
-}
+std::string bitsOf(const CProbOctoMap& map) { return mrpt::fusion::serializeNodes(map.octree()); }
 
 CProbOctoMap loaded(const fs::path& path) {
   CProbOctoMap map;
