@@ -106,6 +106,7 @@ std::string toJson(const Report& r) {
   for (const auto& m : r.members) {
     Json member = {{"robot", m.robot}, {"joined", m.joined}};
     if (m.hasMatch()) {
+      member["matched_with"] = m.matched_with;
       member["pose"] = poseJson(m.pose);
       member["match"] = matchJson(m.alignment);
     }

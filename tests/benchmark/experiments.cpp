@@ -126,7 +126,7 @@ void alignFromStarts(const MapPair& pair, const std::string& method_name, const 
   writeRow(costs, pair.name, method_name, cpu, wall, peakMemory());
 
   // The same judge for all: the paper's pairs and distances (Sec. V-A) at each method's result.
-  const MapVoxels a(*pair.a), b(*pair.b);
+  const MapVoxels a(test::borrowed(*pair.a)), b(test::borrowed(*pair.b));
   const auto thresholds = inlierThresholds();
   std::vector<std::vector<double>> rates(thresholds.size());
   for (size_t i = 0; i < starts.size(); i++) {
@@ -233,7 +233,10 @@ void reduceOverlap(const MapPair& pair, const Effort& effort, std::ostream& csv)
     for (const Start& start : starts) {
       const auto poses =
           icpSteps(model.centre, scene.centre, poseOf(start, pair), kGate, kMaxIterations);
-      write("edge_icp", start, {poses.back(), kMaxIterations, std::nullopt, 0, std::nullopt});
+      Registration result;
+      result.T_a_b = poses.back();
+      result.iterations = kMaxIterations;
+      write("edge_icp", start, result);
     }
   }
 }

@@ -181,7 +181,9 @@ TEST(MapMatchingOptions, SavesEachParameterUnderItsKey) {
   for (const auto& c : sizesOf(o)) expected.insert(c.key);
   std::vector<std::string> keys;
   CConfigFileMemory(iniOf(o)).getAllKeys("pmm", keys);
-  EXPECT_EQ(std::set<std::string>(keys.begin(), keys.end()), expected);
+  // Keys that a stage adds are in pmm.ini, which ConfigFiles.HoldTheDefaults compares key by key.
+  const std::set<std::string> saved(keys.begin(), keys.end());
+  EXPECT_TRUE(std::includes(saved.begin(), saved.end(), expected.begin(), expected.end()));
 }
 
 TEST(MapMatchingOptions, EachParameterComesBackFromAFile) {
