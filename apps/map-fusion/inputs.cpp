@@ -70,7 +70,9 @@ std::vector<Robot> loadRobots(RunContext& run) {
                                      [&](const auto& other) { return other.name == robot.name; });
       if (twice) throw std::runtime_error(path + ": there is another map of '" + robot.name + "'");
       if (run.args.edges_only)
-        robot.map = {nullptr, std::make_shared<const EdgeVoxels>(edgesOf(run, robot.map)), nullptr};
+        robot.map = mrpt::fusion::withPath(path, [&]() -> LoadedMap {
+          return {nullptr, std::make_shared<const EdgeVoxels>(edgesOf(run, robot.map)), nullptr};
+        });
       robots.push_back(robot);
     }
   }

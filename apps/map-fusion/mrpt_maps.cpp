@@ -23,8 +23,7 @@ const MrptMaps& mrptMaps() {
 }
 
 const octomap::OcTree& LoadedMap::wholeMap() const {
-  if (edges)
-    throw std::runtime_error("a map is edges alone, which can be neither judged nor merged");
+  if (edges) throw std::runtime_error("a map is edges alone, and a whole map is needed");
   return *octree;
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "commands/commands.h"
+#include "fusion_base/error_text.h"
 #include "fusion_base/files.h"
 #include "inputs.h"
 
@@ -17,7 +18,8 @@ namespace map_fusion {
 
 bool runEdges(RunContext& run) {
   const LoadedMap map = loadMap(run, "map", run.args.maps[0]);
-  const auto edges = std::make_shared<const EdgeVoxels>(edgesOf(run, map));
+  const auto edges = mrpt::fusion::withPath(
+      run.args.maps[0], [&] { return std::make_shared<const EdgeVoxels>(edgesOf(run, map)); });
   run.report.edges = edges->size();
   run.endStep("edges");
   if (std::filesystem::path(run.args.output).extension() == ".ply")
