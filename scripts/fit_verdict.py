@@ -27,11 +27,13 @@ COMMENTS = {
     "min_overlap": "Overlaps below this count as this",
 }
 MIN_OVERLAP = 1e-3
+MAX_RUNNER_UP = 1.0  # a rival that agrees better than the pose is no stronger evidence
 TOLERANCE_M, TOLERANCE_DEG = 0.6, 6  # a pose is right within both
 MIN_PROBABILITY = 0.85  # of an accepted match
 MODEL = Path(__file__).resolve().parent.parent / "share/mrpt_fusion/config_files/verdict_model.ini"
-# Keeps coefficients finite where the evidence separates right from wrong completely.
-RIDGE = 1e-3
+# Keeps coefficients finite where the evidence separates right from wrong completely: weight of the
+# squared coefficients, of evidence with a standard deviation of 1.
+RIDGE = 0.1
 
 
 def read(paths):
@@ -43,7 +45,8 @@ def read(paths):
                 if "inlier_ratio" not in row:
                     sys.exit(f"{path}: has no column inlier_ratio: run the benchmark again")
                 evidence.append([1, np.log(max(float(row["matched_overlap"]), MIN_OVERLAP)),
-                                 float(row["conflict_ratio"]), float(row["runner_up"]),
+                                 float(row["conflict_ratio"]),
+                                 min(float(row["runner_up"]), MAX_RUNNER_UP),
                                  float(row["inlier_ratio"])])
                 right.append(float(row["error_m"]) <= TOLERANCE_M and
                              float(row["error_deg"]) <= TOLERANCE_DEG)
@@ -60,9 +63,11 @@ def fit(evidence, right):
     x = evidence / scale
     w = np.zeros(x.shape[1])
     for _ in range(100):
-        p = 1 / (1 + np.exp(-x @ w))
-        gradient = x.T @ (right - p) - RIDGE * w
-        hessian = (x * (p * (1 - p))[:, None]).T @ x + RIDGE * np.eye(len(w))
+        p = probability(x, w)
+        penalty = RIDGE * np.eye(len(w))
+        penalty[0, 0] = 1e-6  # the constant is free
+        gradient = x.T @ (right - p) - penalty @ w
+        hessian = (x * (p * (1 - p))[:, None]).T @ x + penalty
         step = np.linalg.solve(hessian, gradient)
         w += step
         if np.abs(step).max() < 1e-10:
@@ -71,7 +76,7 @@ def fit(evidence, right):
 
 
 def probability(evidence, coefficients):
-    return 1 / (1 + np.exp(-evidence @ coefficients))
+    return 1 / (1 + np.exp(-np.clip(evidence @ coefficients, -500, 500)))
 
 
 def log_loss(p, right):
