@@ -22,10 +22,13 @@
 #include <vector>
 
 #include "fusion_base/files.h"
+#include "fusion_core/features/edges.h"
 #include "fusion_core/features/surfaces.h"
 #include "fusion_core/features/thinning.h"
 #include "fusion_core/map/free_space.h"
 #include "fusion_core/map/voxel_blocks.h"
+#include "fusion_core/registration/residuals.h"
+#include "fusion_core/search/pose_search.h"
 #include "fusion_core/verdict/evaluation.h"
 #include "fusion_octree/files.h"
 #include "map_pair.h"
