@@ -52,7 +52,7 @@ Json matchJson(const Alignment& info) {
     hypotheses.push_back({{"agreement", h.agreement}, {"pose", poseJson(toPose(h.T_a_b))}});
   return {{"accepted", e.accepted},
           {"reasons", e.reasons},
-          {"asked", e.asked},
+          {"asked", e.sampled},
           {"pairs", e.pairs},
           {"inliers", e.inliers},
           {"overlap", e.overlap},

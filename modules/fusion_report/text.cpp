@@ -65,7 +65,7 @@ void printMatch(const Alignment& info, std::ostream& out) {
          info.match.iterations.size() - edge_iterations);
   }
   line(out, "overlap          %.1f %%  (%zu of %zu voxels of B paired)", 100 * e.overlap, e.pairs,
-       e.asked);
+       e.sampled);
   line(out, "inlier ratio     %.1f %%  (threshold %.1f %%)", 100 * e.inlier_ratio,
        100 * e.threshold);
   line(out, "conflict ratio   %.1f %%  (obstacles in seen free space of the other map)",

@@ -32,7 +32,7 @@ Alignment rejectedMatch() {
   match.evaluation.accepted = false;
   match.evaluation.is_ambiguous = true;
   match.evaluation.reasons = {"another pose fits as well"};
-  match.evaluation.asked = 200;
+  match.evaluation.sampled = 200;
   match.evaluation.pairs = 100;
   match.evaluation.inliers = 50;
   match.evaluation.overlap = 0.5;

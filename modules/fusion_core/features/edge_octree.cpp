@@ -24,7 +24,7 @@ octomap::OcTree treeOf(const EdgeVoxels& edges, F&& value) {
     octomap::OcTreeKey key;
     const Eigen::Vector3f& c = edges.centre[i];
     ASSERTMSG_(c.allFinite() && tree.coordToKeyChecked(c.x(), c.y(), c.z(), key),
-               "edge voxels: one lies outside the octree's grid");
+               "an edge voxel lies outside the octree's grid");
     const float p = edges.probability[i];
     ASSERTMSG_(p > 0 && p <= 1, "edge voxels: a probability is not in (0,1]");
     tree.setNodeValue(key, 0.F, true)->setLogOdds(value(p));

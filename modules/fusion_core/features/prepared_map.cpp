@@ -100,7 +100,7 @@ const std::shared_ptr<const octomap::OcTree>& PreparedMap::octree() const {
 }
 
 const octomap::OcTree& PreparedMap::wholeMap() const {
-  ASSERTMSG_(!isEdgesAlone(), "the edges of a map are not, and hold no, 3-D occupancy map");
+  ASSERTMSG_(!isEdgesAlone(), "the map consists of edges only; a 3-D occupancy map is needed");
   return *prepared_->octree;
 }
 

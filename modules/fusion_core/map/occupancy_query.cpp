@@ -5,12 +5,12 @@
 
 namespace mrpt::fusion {
 
-Finding findingAt(const MapVoxels& map, const Eigen::Vector3d& p) {
+ObstacleCheck checkObstacle(const MapVoxels& map, const Eigen::Vector3d& p) {
   static const VoxelBlocks::Ball beside(1.8);  // a voxel and the 26 voxels around it
   octomap::OcTreeKey key;
-  if (!map.map->coordToKeyChecked(p.x(), p.y(), p.z(), key)) return Finding::Unknown;
-  if (map.occupied.anyAround({key[0], key[1], key[2]}, beside)) return Finding::Agrees;
-  return map.free.has(key) ? Finding::Conflicts : Finding::Unknown;
+  if (!map.map->coordToKeyChecked(p.x(), p.y(), p.z(), key)) return ObstacleCheck::Unknown;
+  if (map.occupied.anyAround({key[0], key[1], key[2]}, beside)) return ObstacleCheck::Confirmed;
+  return map.free.has(key) ? ObstacleCheck::Conflicting : ObstacleCheck::Unknown;
 }
 
 bool isFree(const MapVoxels& map, const Eigen::Vector3d& p) {

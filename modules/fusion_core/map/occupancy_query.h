@@ -13,16 +13,16 @@
 namespace mrpt::fusion {
 
 /** Result of the comparison of an obstacle with a map. */
-enum class Finding : uint8_t {
-  Unknown,   ///< The place is unknown, without an obstacle in the voxels around it
-  Agrees,    ///< The map has an obstacle there or in a neighbouring voxel
-  Conflicts  ///< The place is free, without an obstacle in the voxels around it
+enum class ObstacleCheck : uint8_t {
+  Unknown,     ///< The place is unknown, without an obstacle in the voxels around it
+  Confirmed,   ///< The map has an obstacle there or in a neighbouring voxel
+  Conflicting  ///< The place is free, without an obstacle in the voxels around it
 };
 
 /** Compares an obstacle at a point (m, map frame) with a map. Only free space without an occupied
  * voxel around it is a conflict: the quantisation of both maps by half a voxel must not cause
  * conflicts. */
-Finding findingAt(const MapVoxels& map, const Eigen::Vector3d& p);
+ObstacleCheck checkObstacle(const MapVoxels& map, const Eigen::Vector3d& p);
 
 /** True if a map has seen free space at a point, m, map frame. */
 bool isFree(const MapVoxels& map, const Eigen::Vector3d& p);

@@ -17,7 +17,7 @@ constexpr double kRounding = 1e-2;
 /** Largest difference between the length of a cell's offset and the distance of a point in the
  * cell, cells. \a off_centre is the largest distance of a point from the centre of its cell,
  * cells. */
-double slackOf(double off_centre) { return std::sqrt(0.75) + off_centre + kRounding; }
+double marginOf(double off_centre) { return std::sqrt(0.75) + off_centre + kRounding; }
 }  // namespace
 
 VoxelSearch::VoxelSearch(const std::vector<Eigen::Vector3f>& points, double cell)
@@ -29,7 +29,7 @@ VoxelSearch::VoxelSearch(const std::vector<Eigen::Vector3f>& voxels, double reso
                          const VoxelBlocks& blocks)
     : points_(voxels),
       cell_(static_cast<float>(resolution)),
-      slack_(slackOf(kRounding)),
+      margin_(marginOf(kRounding)),
       blocks_(&blocks) {
   low_.setConstant(static_cast<float>(-0.5 * kKeys * resolution));
 }
@@ -65,7 +65,7 @@ void VoxelSearch::build(double cell) {
     const Eigen::Vector3f centre(keys[i][0] + 0.5F, keys[i][1] + 0.5F, keys[i][2] + 0.5F);
     off_centre = std::max(off_centre, (place - centre).squaredNorm());
   }
-  slack_ = slackOf(std::sqrt(off_centre));
+  margin_ = marginOf(std::sqrt(off_centre));
 
   std::vector<uint64_t> order(points.size());
   std::transform(keys.begin(), keys.end(), order.begin(), octreeOrder);
@@ -100,13 +100,13 @@ void VoxelSearch::prepare(double gate) {
   constexpr double kMostCells = 12;
   if (gate > kMostCells * cell_) build(gate / kMostCells);
   constexpr double kGrowth = 1.75;  // so the second ball reaches the least gate, 2 cells
-  const double radius = gate / cell_ + kBeyond + slack_;
+  const double radius = gate / cell_ + kBeyond + margin_;
   if (!rings_.empty() && prepared_ >= radius) return;
   while (rings_.empty() || prepared_ < radius) {
     const double next = rings_.empty() ? kBeside : std::min(kGrowth * prepared_, radius);
-    const double sure = std::max(0.0, next - slack_) * cell_;
-    rings_.push_back(
-        {VoxelBlocks::Ball(next, rings_.empty() ? -1 : kBeside), static_cast<float>(sure * sure)});
+    const double complete_within = std::max(0.0, next - margin_) * cell_;
+    rings_.push_back({VoxelBlocks::Ball(next, rings_.empty() ? -1 : kBeside),
+                      static_cast<float>(complete_within * complete_within)});
     prepared_ = next;
   }
   surroundings_ = VoxelBlocks::Surroundings(*blocks_, prepared_);

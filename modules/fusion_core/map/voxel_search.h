@@ -63,7 +63,7 @@ class VoxelSearch {
     }
     const VoxelBlocks::Place at{floorOf(place.x()), floorOf(place.y()), floorOf(place.z())};
     if (best.index == kNone && !surroundings_.mayReach(at)) {
-      best.others = rings_.back().sure;
+      best.others = rings_.back().complete_within;
       return best;
     }
     float squared_of_best = best.others;
@@ -87,15 +87,15 @@ class VoxelSearch {
     };
     look(rings_.front());
     const Ring* last = &rings_.front();
-    if (best.distance >= last->sure) {
+    if (best.distance >= last->complete_within) {
       // The narrowest ring that holds all points that can be nearer, and a margin: the bound on the
       // other points is then useful at places nearby, too.
       const float far = std::sqrt(best.distance) + kBeyond * cell_;
       size_t wide = 1;
-      while (wide + 1 < rings_.size() && rings_[wide].sure <= far * far) wide++;
+      while (wide + 1 < rings_.size() && rings_[wide].complete_within <= far * far) wide++;
       if (wide < rings_.size()) look(*(last = &rings_[wide]));
     }
-    best.others = std::min(best.others, last->sure);
+    best.others = std::min(best.others, last->complete_within);
     return best;
   }
 
@@ -105,7 +105,7 @@ class VoxelSearch {
 
   struct Ring {
     VoxelBlocks::Ball ball;  ///< Cells of the ring; the first ring is a whole ball
-    float sure;              ///< Squared distance below which all points lie in the ball, m^2
+    float complete_within;   ///< Squared distance below which all points lie in the ball, m^2
   };
   static int floorOf(float x) {
     const int i = static_cast<int>(x);
@@ -117,7 +117,7 @@ class VoxelSearch {
   const std::vector<Eigen::Vector3f>& points_;
   Eigen::Vector3f low_ = Eigen::Vector3f::Zero();
   float cell_ = 1;
-  double slack_ = 0;     // largest offset length minus distance of a point in a cell, cells
+  double margin_ = 0;    // largest offset length minus distance of a point in a cell, cells
   double prepared_ = 0;  // largest prepared radius, cells
   double gate_ = -1;     // largest prepared gate, m
   VoxelBlocks own_;      // used if the caller gives no index

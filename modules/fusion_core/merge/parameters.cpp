@@ -8,7 +8,7 @@ namespace mrpt::fusion {
 Parameters parametersOf(MergeParams& params) {
   return {
       choice("merge_policy", params.policy, mergePolicyNames(),
-             "Value of voxels that both maps know: " + listOf(mergePolicyNames())),
+             "Value of voxels that are known in both maps: " + listOf(mergePolicyNames())),
       number("kl_threshold", params.kl_threshold, 0, kUnlimited,
              "Relative entropy up to which probabilities are averaged, nats (Table I: 0.1)"),
   };

@@ -81,16 +81,16 @@ Alignment align(const PreparedMap& map_a, const PreparedMap& map_b, const Prior&
   mrpt::system::CTicTac clock;
   Alignment result = sizesOf(a, b);
   result.by_edges = by_edges;
-  Options asked = options;
-  asked.search = prior.searchWithin(options.search);
-  result.match = matchMaps(a, b, guess, asked, on_iteration);
+  Options within_prior = options;
+  within_prior.search = prior.searchWithin(options.search);
+  result.match = matchMaps(a, b, guess, within_prior, on_iteration);
   result.seconds_matching = secondsSince(clock);
 
-  result.evaluation = verify(a, b, asked, result.match);
+  result.evaluation = verify(a, b, within_prior, result.match);
   if (by_edges) {
     result.evaluation.accepted = result.evaluation.is_ambiguous = false;
     result.evaluation.reasons.emplace_back(
-        "edges alone tell where the maps meet, not that they may be merged");
+        "a match of edges alone estimates the pose; it cannot show that the maps may be merged");
   }
   result.seconds_evaluation = secondsSince(clock);
   return result;

@@ -53,7 +53,7 @@ Parameters parametersOf(RegistrationParams& params) {
       advanced(number("held_gate", c.held_gate, 0, 100,
                       "Gate of the pairs of a pose that is moved by one voxel, voxels")),
       advanced(count("held_pairs", c.sample_pairs, 1, kUnlimited,
-                     "Pairs that tell how firmly the maps hold a pose")),
+                     "Number of pairs that measure how firmly the maps hold a pose")),
       advanced(number("held_min_pull", c.min_pull, 0, 1,
                       "Least share of the expected pull back to the pose that counts as held")),
       advanced(number("covariance_patch", c.patch_size, 1e-3, kUnlimited,

@@ -162,11 +162,11 @@ Pairs pairVoxels(const MapVoxels& a, const MapVoxels& b, const Eigen::Isometry3d
   VoxelAssociation association(a.voxels, a.occupied);
   association.prepare(params.voxel_level.gate);
   const double H_m = occupancyUncertainty(a.voxels.probability, b.voxels.probability);
-  Pairs asked;
+  Pairs sample;
   const size_t stride = strideFor(n, voxels);
-  for (size_t i = 0; i < n; i += stride) asked.push_back({0, static_cast<uint32_t>(i), 0});
+  for (size_t i = 0; i < n; i += stride) sample.push_back({0, static_cast<uint32_t>(i), 0});
   VoxelPairing pairing(b.voxels, H_m, association, params.weights);
-  return firstPairs(pairing, T_a_b, params.voxel_level.gate, params.first_pairs, &asked);
+  return firstPairs(pairing, T_a_b, params.voxel_level.gate, params.first_pairs, &sample);
 }
 
 }  // namespace mrpt::fusion

@@ -12,26 +12,26 @@ namespace mrpt::fusion {
 namespace {
 
 /** Numbers of the other map's obstacles that a map confirms, and that lie in its free space. */
-struct Testimony {
+struct ObstacleCounts {
   double confirmed = 0, contradicted = 0;
 };
 
-Testimony testimonyOf(const MapVoxels& map, const Obstacles& obstacles, double resolution,
-                      const Eigen::Isometry3d& T, const AgreementParams& params) {
+ObstacleCounts countObstacles(const MapVoxels& map, const Obstacles& obstacles, double resolution,
+                              const Eigen::Isometry3d& T, const AgreementParams& params) {
   const double before = params.front_voxels * std::max(resolution, map.voxels.resolution);
-  Testimony t;
+  ObstacleCounts counts;
   for (size_t i = 0; i < obstacles.centre.size(); i++) {
     const Eigen::Vector3d centre = obstacles.centre[i].cast<double>();
-    const Finding finding = findingAt(map, T * centre);
-    if (finding == Finding::Agrees) {
+    const ObstacleCheck check = checkObstacle(map, T * centre);
+    if (check == ObstacleCheck::Confirmed) {
       const Eigen::Vector3d front = obstacles.front[i].cast<double>();
       const bool same_side = front.isZero(0) || isFree(map, T * (centre + before * front));
-      t.confirmed += same_side ? 1 : params.other_side;
-    } else if (finding == Finding::Conflicts) {
-      t.contradicted++;
+      counts.confirmed += same_side ? 1 : params.other_side;
+    } else if (check == ObstacleCheck::Conflicting) {
+      counts.contradicted++;
     }
   }
-  return t;
+  return counts;
 }
 
 }  // namespace
@@ -56,8 +56,8 @@ Obstacles obstaclesOf(const MapVoxels& map, const SurfaceVoxels& voxels,
 double agreement(const MapVoxels& a, const Obstacles& of_a, const MapVoxels& b,
                  const Obstacles& of_b, const Eigen::Isometry3d& T_a_b,
                  const AgreementParams& params) {
-  const Testimony by_a = testimonyOf(a, of_b, b.voxels.resolution, T_a_b, params);
-  const Testimony by_b = testimonyOf(b, of_a, a.voxels.resolution, T_a_b.inverse(), params);
+  const ObstacleCounts by_a = countObstacles(a, of_b, b.voxels.resolution, T_a_b, params);
+  const ObstacleCounts by_b = countObstacles(b, of_a, a.voxels.resolution, T_a_b.inverse(), params);
   const double confirmed = by_a.confirmed + by_b.confirmed;
   const double contradicted = by_a.contradicted + by_b.contradicted;
   if (confirmed == 0) return 0;

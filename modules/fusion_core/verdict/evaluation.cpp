@@ -16,11 +16,11 @@ namespace mrpt::fusion {
 namespace {
 
 /** Returns standard deviations as text. */
-std::string slack(const PoseDeviation& d) {
+std::string textOf(const PoseDeviation& d) {
   constexpr double kUnbounded = 100;  // m, rad
   char text[96];
   if (std::max(d.translation, d.rotation) > kUnbounded)
-    std::snprintf(text, sizeof(text), "it %s freely",
+    std::snprintf(text, sizeof(text), "map B %s freely",
                   d.translation > kUnbounded ? "slides" : "turns");
   else
     std::snprintf(text, sizeof(text), "standard deviations %.2g m, %.2g deg", d.translation,
@@ -77,14 +77,14 @@ double probabilityOfStaying(const PoseDeviation& deviation, const PoseTolerance&
 
 FreeSpaceCheck checkFreeSpace(const MapVoxels& a, const OccupiedVoxels& b,
                               const Eigen::Isometry3d& T_a_b, size_t stride) {
-  std::vector<Finding> findings((b.size() + stride - 1) / stride);
-  forEachIndex(findings.size(), kGrain, [&](size_t i) {
-    findings[i] = findingAt(a, T_a_b * b.centre[stride * i].cast<double>());
+  std::vector<ObstacleCheck> checks((b.size() + stride - 1) / stride);
+  forEachIndex(checks.size(), kGrain, [&](size_t i) {
+    checks[i] = checkObstacle(a, T_a_b * b.centre[stride * i].cast<double>());
   });
-  const auto count = [&](Finding f) {
-    return static_cast<size_t>(std::count(findings.begin(), findings.end(), f));
+  const auto count = [&](ObstacleCheck c) {
+    return static_cast<size_t>(std::count(checks.begin(), checks.end(), c));
   };
-  return {count(Finding::Agrees), count(Finding::Conflicts)};
+  return {count(ObstacleCheck::Confirmed), count(ObstacleCheck::Conflicting)};
 }
 
 Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pairs,
@@ -93,7 +93,7 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
   Evaluation e;
   const size_t stride_a = strideFor(a.voxels.size(), params.voxels),
                stride_b = strideFor(b.voxels.size(), params.voxels);
-  e.asked = (b.voxels.size() + stride_b - 1) / stride_b;
+  e.sampled = (b.voxels.size() + stride_b - 1) / stride_b;
   e.pairs = pairs.size();
   // Both maps are counted in voxels of the larger size: smaller voxels must not increase the weight
   // of a wall.
@@ -102,7 +102,7 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
                counted_b = coarseningTo(size, b.voxels) * static_cast<double>(stride_b);
   e.overlap = overlapOf(counted_b * static_cast<double>(pairs.size()),
                         counted_a * static_cast<double>(a.voxels.size()),
-                        counted_b * static_cast<double>(e.asked));
+                        counted_b * static_cast<double>(e.sampled));
   e.threshold = acceptanceThreshold(e.overlap, params);
   double sum = 0;
   for (const Pair& p : pairs) {
@@ -127,7 +127,7 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
     e.accepted = e.accepted && good;
     e.reasons.push_back(good ? yes : no);
   };
-  judge(e.overlap >= params.min_overlap, "overlap " + percent(e.overlap) + " is enough to judge by",
+  judge(e.overlap >= params.min_overlap, "overlap " + percent(e.overlap) + " is sufficient",
         "overlap " + percent(e.overlap) + " is below " + percent(params.min_overlap));
   judge(
       !pairs.empty() && e.inlier_ratio > e.threshold,
@@ -137,7 +137,7 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
   const double conflict = e.free_space.conflictRatio();
   judge(conflict <= params.max_free_conflict,
         percent(conflict) + " of the obstacles lie in the other map's free space, at most " +
-            percent(params.max_free_conflict) + " may",
+            percent(params.max_free_conflict) + " are allowed",
         percent(conflict) + " of the obstacles lie in the other map's free space, more than " +
             percent(params.max_free_conflict));
   e.runner_up = runner_up;
@@ -147,7 +147,7 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
     const std::string agrees =
         std::string(runner_up > 1 ? "another pose" : "the second best pose") + " agrees " +
         percent(runner_up) + " as well, ";
-    judge(!has_rival, agrees + "at most " + percent(params.max_runner_up) + " may",
+    judge(!has_rival, agrees + "at most " + percent(params.max_runner_up) + " is allowed",
           agrees + "more than " + percent(params.max_runner_up));
   }
   e.deviation = deviation;
@@ -158,7 +158,7 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
   e.probability = probabilityWith(runner_up);
   e.is_ambiguous = is_well && has_rival && probabilityWith(0) >= params.min_probability;
   if (stays < params.held_probability)
-    e.reasons.push_back("what the maps share does not hold map B in place: " + slack(deviation));
+    e.reasons.push_back("the shared surfaces do not fix the pose of map B: " + textOf(deviation));
   if (params.min_probability > 0)
     judge(e.probability >= params.min_probability,
           "the pose is right with a probability of " + percent(e.probability),

@@ -42,12 +42,13 @@ Parameters parametersOf(RankingParams& params) {
 Parameters parametersOf(EvaluationParams& params) {
   return {
       count("evaluation_voxels", params.voxels, 0, kUnlimited,
-            "Voxels of each map, spread evenly, that the verdict asks; 0: all"),
+            "Number of voxels of each map, evenly spread, that the verdict uses; 0: all"),
       number("inlier_mahalanobis", params.inlier_mahalanobis, 0, kUnlimited,
              "Pairs below this Mahalanobis distance are inliers"),
       number("max_free_conflict", params.max_free_conflict, 0, 1,
              "Largest share of obstacles that lie in the other map's free space; 1: not tested"),
-      number("min_overlap", params.min_overlap, 0, 1, "Least overlap, eq. (25), to judge by"),
+      number("min_overlap", params.min_overlap, 0, 1,
+             "Least overlap, eq. (25), of an accepted match"),
       number("min_probability", params.min_probability, 0, 1,
              "Least probability of being right; 0: not tested"),
       number("sure_probability", params.sure_probability, 0, 1,

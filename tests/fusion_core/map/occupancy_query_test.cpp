@@ -23,8 +23,8 @@ Known knownOf(const octomap::OcTree& map, const octomap::OcTreeKey& key) {
   return map.isNodeOccupied(node) ? Known::Occupied : Known::Free;
 }
 
-/** The twin of findingAt(): by the voxel and the 26 around it. */
-Finding findingByOctomap(const octomap::OcTree& map, const Eigen::Vector3d& p) {
+/** The twin of checkObstacle(): by the voxel and the 26 around it. */
+ObstacleCheck findingByOctomap(const octomap::OcTree& map, const Eigen::Vector3d& p) {
   const octomap::OcTreeKey at = map.coordToKey(p.x(), p.y(), p.z());
   for (int dx = -1; dx <= 1; dx++)
     for (int dy = -1; dy <= 1; dy++)
@@ -33,9 +33,9 @@ Finding findingByOctomap(const octomap::OcTree& map, const Eigen::Vector3d& p) {
           return static_cast<octomap::key_type>(k + d);
         };
         if (knownOf(map, {key(at[0], dx), key(at[1], dy), key(at[2], dz)}) == Known::Occupied)
-          return Finding::Agrees;
+          return ObstacleCheck::Confirmed;
       }
-  return knownOf(map, at) == Known::Free ? Finding::Conflicts : Finding::Unknown;
+  return knownOf(map, at) == Known::Free ? ObstacleCheck::Conflicting : ObstacleCheck::Unknown;
 }
 
 TEST(OccupancyQuery, SaysWhatOctomapKnowsOfTheVoxelAndThoseAround) {
@@ -43,16 +43,17 @@ TEST(OccupancyQuery, SaysWhatOctomapKnowsOfTheVoxelAndThoseAround) {
   const MapVoxels voxels(borrowed(*map));
   std::mt19937 random(6);
   std::uniform_real_distribution<double> place(-8, 8);
-  std::map<Finding, int> times;
+  std::map<ObstacleCheck, int> times;
   for (int i = 0; i < 20000; i++) {
     const Eigen::Vector3d p(place(random), place(random), place(random));
-    const Finding finding = findingAt(voxels, p);
+    const ObstacleCheck finding = checkObstacle(voxels, p);
     ASSERT_EQ(finding, findingByOctomap(*map, p)) << p.transpose();
     ASSERT_EQ(isFree(voxels, p), knownOf(*map, map->coordToKey(p.x(), p.y(), p.z())) == Known::Free)
         << p.transpose();
     times[finding]++;
   }
-  for (const Finding f : {Finding::Unknown, Finding::Agrees, Finding::Conflicts})
+  for (const ObstacleCheck f :
+       {ObstacleCheck::Unknown, ObstacleCheck::Confirmed, ObstacleCheck::Conflicting})
     EXPECT_GT(times[f], 100) << static_cast<int>(f);
 }
 
@@ -60,17 +61,18 @@ TEST(OccupancyQuery, AnObstacleInANeighbouringVoxelAgrees) {
   const auto map =
       MapWriter(0.2).box({0, 0, 0}, {9, 9, 9}, kFree).voxel({4, 4, 4}, kOccupied).pruned();
   const MapVoxels voxels(borrowed(*map));
-  EXPECT_EQ(findingAt(voxels, centreOf({4, 4, 4}, 0.2)), Finding::Agrees);
-  EXPECT_EQ(findingAt(voxels, centreOf({3, 5, 3}, 0.2)), Finding::Agrees) << "across a corner";
-  EXPECT_EQ(findingAt(voxels, centreOf({2, 4, 4}, 0.2)), Finding::Conflicts);
-  EXPECT_EQ(findingAt(voxels, centreOf({-1, 4, 4}, 0.2)), Finding::Unknown);
+  EXPECT_EQ(checkObstacle(voxels, centreOf({4, 4, 4}, 0.2)), ObstacleCheck::Confirmed);
+  EXPECT_EQ(checkObstacle(voxels, centreOf({3, 5, 3}, 0.2)), ObstacleCheck::Confirmed)
+      << "across a corner";
+  EXPECT_EQ(checkObstacle(voxels, centreOf({2, 4, 4}, 0.2)), ObstacleCheck::Conflicting);
+  EXPECT_EQ(checkObstacle(voxels, centreOf({-1, 4, 4}, 0.2)), ObstacleCheck::Unknown);
 }
 
 TEST(OccupancyQuery, NothingIsKnownBeyondTheOctreesReach) {
   const auto map = MapWriter().box({0, 0, 0}, {9, 9, 9}, kFree).pruned();
   const MapVoxels voxels(borrowed(*map));
   for (const double far : {1e5, -1e5}) {
-    EXPECT_EQ(findingAt(voxels, {far, 0, 0}), Finding::Unknown);
+    EXPECT_EQ(checkObstacle(voxels, {far, 0, 0}), ObstacleCheck::Unknown);
     EXPECT_FALSE(isFree(voxels, {0, far, 0}));
   }
 }

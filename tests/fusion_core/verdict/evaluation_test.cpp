@@ -329,10 +329,10 @@ TEST(EvaluateMatch, OfSomeVoxelsIsNearlyThatOfAll) {
     return evaluateMatch(c.a, c.b, pairs, c.T_a_b, of_some);
   };
   const Evaluation all = evaluated(0), some = evaluated(3000);
-  ASSERT_EQ(all.asked, c.b.voxels.size());
-  ASSERT_GT(all.asked, 15000);
-  EXPECT_LE(some.asked, 3000);
-  EXPECT_GT(some.asked, 2000);
+  ASSERT_EQ(all.sampled, c.b.voxels.size());
+  ASSERT_GT(all.sampled, 15000);
+  EXPECT_LE(some.sampled, 3000);
+  EXPECT_GT(some.sampled, 2000);
   EXPECT_GT(all.free_space.conflictRatio(), 0.02);
   EXPECT_NEAR(some.overlap, all.overlap, 0.03);
   EXPECT_NEAR(some.inlier_ratio, all.inlier_ratio, 0.03);

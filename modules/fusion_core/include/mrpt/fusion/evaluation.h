@@ -100,7 +100,7 @@ struct FreeSpaceCheck {
 
 /** The verdict on a match, with its evidence. */
 struct Evaluation {
-  size_t asked = 0;             ///< Number of voxels of B to pair
+  size_t sampled = 0;           ///< Number of voxels of B to pair
   size_t pairs = 0;             ///< Number of pairs: N_match, if all voxels of B are used
   size_t inliers = 0;           ///< Number of pairs below EvaluationParams::inlier_mahalanobis
   double overlap = 0;           ///< Overlap Theta, eq. (25), [0,1]
