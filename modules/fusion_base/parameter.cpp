@@ -42,6 +42,12 @@ Parameter number(const char* key, double& field, double min, double max, const c
   return numeric(key, field, min, max, comment, NumberKind::Real);
 }
 
+Parameter length(const char* key, double& field, double min, double max, const char* comment) {
+  Parameter p = number(key, field, min, max, comment);
+  p.multiply = [&field](double factor) { field *= factor; };
+  return p;
+}
+
 Parameter angle(const char* key, double& field, double min, double max, const char* comment) {
   constexpr bool kIsDegrees = true;
   return numeric(key, field, min, max, comment, NumberKind::Real, kIsDegrees);
@@ -79,6 +85,11 @@ Parameter namedValue(const char* key, std::vector<std::string> names, std::funct
 Parameter advanced(Parameter p) {
   p.is_advanced = true;
   return p;
+}
+
+void multiplyLengths(const Parameters& parameters, double factor) {
+  for (const Parameter& p : parameters)
+    if (p.multiply) p.multiply(factor);
 }
 
 void loadParameters(const Parameters& parameters, const mrpt::config::CConfigFileBase& source,

@@ -30,12 +30,16 @@ struct Parameter {
   std::string key;                    ///< Name in files; ends in `_deg` if the file has degrees
   std::string comment;                ///< Meaning and unit, one line
   bool is_advanced = false;           ///< True if few users need it
+  /** Function that multiplies the field by a factor; empty except for lengths in m. */
+  std::function<void(double factor)> multiply;
 };
 
 using Parameters = std::vector<Parameter>;  ///< Parameters of a stage, in their order in files
 
-/** Makes the parameter of a number in any unit except degrees. */
+/** Makes the parameter of a number in any unit except m and degrees. */
 Parameter number(const char* key, double& field, double min, double max, const char* comment);
+/** Makes the parameter of a length in m. multiplyLengths() scales it. */
+Parameter length(const char* key, double& field, double min, double max, const char* comment);
 /** Makes the parameter of an angle: radians in the field, degrees in the file and in the range. */
 Parameter angle(const char* key, double& field, double min, double max, const char* comment);
 /** Makes the parameter of a whole number. */
@@ -78,6 +82,9 @@ Parameter choice(const char* key, E& field, const Names<E>& names, const std::st
 
 /** Marks a parameter that few users need. */
 Parameter advanced(Parameter p);
+
+/** Multiplies the fields of all lengths by a factor. */
+void multiplyLengths(const Parameters& parameters, double factor);
 
 /** Loads the parameters in a section. Missing keys keep their values.
  * \exception std::exception If a value is out of range, or a key of the section is no parameter. */

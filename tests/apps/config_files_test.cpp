@@ -28,6 +28,7 @@ std::string toIni(const Options& options, const std::string& header) {
  * pairs of points, constant gates, the statistical test only, the relative-entropy filter. */
 Options paperOptions() {
   Options o;
+  o.features.scale.fixed = 1;
   o.features.edges.min_surface_variation = 0;
   o.features.edges.trace_window = M_PI / 2;
   o.evaluation.voxels = 0;

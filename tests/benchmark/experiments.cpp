@@ -266,35 +266,6 @@ void alignFromAnywhere(const MapPair& pair, const Effort& effort, std::ostream& 
   }
 }
 
-namespace {
-
-/** Parts of both maps, on either side of two parallel vertical planes: A's part ends at one, B's
- * begins at the other. */
-MapPair randomParts(const MapPair& pair, std::mt19937& generator) {
-  constexpr double kLeastKept = 0.55;  // of a map's voxels
-  std::uniform_real_distribution<double> heading(-M_PI, M_PI), kept(kLeastKept, 1);
-  const double yaw = heading(generator);
-  const Eigen::Vector3d d(std::cos(yaw), std::sin(yaw), 0);  // in A's frame
-  const auto quantile = [&](const octomap::OcTree& map, const Eigen::Isometry3d& T, double share) {
-    std::vector<double> along;
-    for (const auto& c : extractOccupiedVoxels(map).centre)
-      along.push_back(d.dot(T * c.cast<double>()));
-    const auto at =
-        along.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(along.size() - 1));
-    std::nth_element(along.begin(), at, along.end());
-    return *at;
-  };
-  const double end = quantile(*pair.a, Eigen::Isometry3d::Identity(), kept(generator));
-  const double begin = quantile(*pair.b, pair.T_a_b, 1 - kept(generator));
-  MapPair parts = pair;
-  parts.a = cropMap(*pair.a, -d, -end);
-  parts.b = cropMap(*pair.b, pair.T_a_b.linear().transpose() * d,
-                    begin - d.dot(pair.T_a_b.translation()));
-  return parts;
-}
-
-}  // namespace
-
 void judgeVerdicts(const MapPair& pair, const Effort& effort, std::ostream& csv) {
   constexpr unsigned kParts = 30, kImages = 10;
   writeRow(csv,

@@ -16,6 +16,7 @@
 #include <stdexcept>
 
 #include "experiments.h"
+#include "kinds.h"
 
 namespace {
 
@@ -44,6 +45,7 @@ class CsvFile {
 int run(int argc, char** argv) {
   CLI::App app{"One experiment of the benchmark on one pair of maps."};
   std::string experiment, folder, method, out;
+  std::vector<std::string> others;
   Effort effort;
   unsigned threads = 1;
   const std::map<std::string, std::function<void(const MapPair&, std::ostream&)>> experiments = {
@@ -56,6 +58,12 @@ int run(int argc, char** argv) {
        [&](const MapPair& pair, std::ostream& csv) { alignFromAnywhere(pair, effort, csv); }},
       {"verdicts",
        [&](const MapPair& pair, std::ostream& csv) { judgeVerdicts(pair, effort, csv); }},
+      {"kinds",
+       [&](const MapPair& pair, std::ostream& csv) {
+         std::vector<MapPair> of_others;
+         for (const std::string& other : others) of_others.push_back(loadMapPair(other));
+         judgeKinds(pair, of_others, effort, csv);
+       }},
       {"mixes", [&](const MapPair& pair, std::ostream& csv) { mixMaps(pair, effort, csv); }},
       {"merging", mergeByPolicy},
       {"ablation", [&](const MapPair& pair, std::ostream& csv) { ablate(pair, effort, csv); }},
@@ -67,6 +75,7 @@ int run(int argc, char** argv) {
   app.add_option("PAIR", folder, "Folder with map_a.ot, map_b.ot, T_a_b.txt [and reference.ot]")
       ->required();
   app.add_option("--method", method, "For starts: which method");
+  app.add_option("--other", others, "For kinds: folders of pairs of other places");
   app.add_option("--stride", effort.stride, "Take every so many-th start or cut")
       ->check(CLI::PositiveNumber);
   app.add_option("--rounds", effort.rounds, "For speed: how often to measure")

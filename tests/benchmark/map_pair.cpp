@@ -72,8 +72,12 @@ MapPair loadMapPair(const std::string& folder) {
   MapPair pair;
   pair.folder = folder;
   pair.name = fs::absolute(folder + "/.").parent_path().filename().string();
-  pair.a = loadTree(folder + "/map_a.ot");
-  pair.b = loadTree(folder + "/map_b.ot");
+  const auto map = [&](const std::string& name) {
+    const std::string path = folder + "/" + name;
+    return loadTree(fs::exists(path + ".bt") ? path + ".bt" : path + ".ot");
+  };
+  pair.a = map("map_a");
+  pair.b = map("map_b");
   pair.T_a_b = loadPose(folder + "/T_a_b.txt");
   const OccupiedVoxels voxels = extractOccupiedVoxels(*pair.b);
   if (voxels.size() == 0) throw std::runtime_error(folder + ": map b has no occupied voxel");
@@ -191,6 +195,29 @@ double trueOverlap(const MapPair& pair) {
     return static_cast<double>(found.size()) / static_cast<double>(scene.size());
   };
   return 0.5 * (share(a, b, pair.T_a_b) + share(b, a, pair.T_a_b.inverse()));
+}
+
+MapPair randomParts(const MapPair& pair, std::mt19937& generator) {
+  constexpr double kLeastKept = 0.55;  // of a map's voxels
+  std::uniform_real_distribution<double> heading(-M_PI, M_PI), kept(kLeastKept, 1);
+  const double yaw = heading(generator);
+  const Eigen::Vector3d d(std::cos(yaw), std::sin(yaw), 0);  // in A's frame
+  const auto quantile = [&](const octomap::OcTree& map, const Eigen::Isometry3d& T, double share) {
+    std::vector<double> along;
+    for (const auto& c : extractOccupiedVoxels(map).centre)
+      along.push_back(d.dot(T * c.cast<double>()));
+    const auto at =
+        along.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(along.size() - 1));
+    std::nth_element(along.begin(), at, along.end());
+    return *at;
+  };
+  const double end = quantile(*pair.a, Eigen::Isometry3d::Identity(), kept(generator));
+  const double begin = quantile(*pair.b, pair.T_a_b, 1 - kept(generator));
+  MapPair parts = pair;
+  parts.a = cropMap(*pair.a, -d, -end);
+  parts.b = cropMap(*pair.b, pair.T_a_b.linear().transpose() * d,
+                    begin - d.dot(pair.T_a_b.translation()));
+  return parts;
 }
 
 }  // namespace mrpt::fusion::benchmark

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <functional>
 #include <memory>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -74,5 +75,9 @@ std::shared_ptr<const octomap::OcTree> mirrored(const octomap::OcTree& map);
 /** Mean share of the maps' occupied voxels that have an occupied voxel of the other within one
  * voxel (at least 0.1 m) at the true pose. */
 double trueOverlap(const MapPair& pair);
+
+/** Parts of both maps, on either side of two parallel vertical planes: A's part ends at one, B's
+ * begins at the other. Each part has at least 55 % of the voxels of its map. */
+MapPair randomParts(const MapPair& pair, std::mt19937& generator);
 
 }  // namespace mrpt::fusion::benchmark

@@ -2,9 +2,8 @@
 #include "pmm_methods.h"
 
 #include <mrpt/config/CConfigFile.h>
+#include <mrpt/fusion/alignment.h>
 #include <tbb/parallel_invoke.h>
-
-#include "support/matching_tools.h"
 
 namespace mrpt::fusion::benchmark {
 namespace {
@@ -14,23 +13,32 @@ class Matching : public Method {
   explicit Matching(const Settings& settings) : settings_(settings) {}
 
   void prepare(const MapPair& pair) override {
-    tbb::parallel_invoke([&] { a_ = test::featuresOf(*pair.a, settings_); },
-                         [&] { b_ = test::featuresOf(*pair.b, settings_); });
+    tbb::parallel_invoke([&] { a_.emplace(pair.a, settings_.features); },
+                         [&] { b_.emplace(pair.b, settings_.features); });
   }
 
   Registration align(const Eigen::Isometry3d& start) override {
-    MatchResult result = matchMaps(a_, b_, start, settings_);
-    const Evaluation evaluation = test::judgeMatch(a_, b_, settings_, settings_.evaluation, result);
-    return {result.T_a_b,         static_cast<unsigned>(result.iterations.size()),
-            evaluation.accepted,  evaluation.probability,
-            evaluation.overlap,   evaluation.free_space.conflictRatio(),
-            evaluation.runner_up, evaluation.inlier_ratio,
-            result.covariance};
+    const Alignment found = mrpt::fusion::align(*a_, *b_, Prior::near(toPose(start)), settings_);
+    const Evaluation& evaluation = found.evaluation;
+    Registration r;
+    r.T_a_b = found.match.T_a_b;
+    r.iterations = static_cast<unsigned>(found.match.iterations.size());
+    r.accepted = evaluation.accepted;
+    r.probability = evaluation.probability;
+    r.overlap = evaluation.overlap;
+    r.conflict_ratio = evaluation.free_space.conflictRatio();
+    r.runner_up = evaluation.runner_up;
+    r.inlier_ratio = evaluation.inlier_ratio;
+    r.missed_ratio = evaluation.free_space.missedRatio();
+    r.without_free = evaluation.without_free_space;
+    r.scale = found.scale;
+    r.covariance = found.match.covariance;
+    return r;
   }
 
  private:
   Settings settings_;
-  MapFeatures a_, b_;
+  std::optional<PreparedMap> a_, b_;
 };
 
 }  // namespace

@@ -184,5 +184,17 @@ TEST(Parameters, OnlyThoseMarkedAreAdvanced) {
   EXPECT_EQ(file.find("Advanced."), file.rfind("Advanced.")) << file;
 }
 
+TEST(Parameters, MultiplyingLengthsKeepsAllOtherValues) {
+  double metres = 2, share = 0.5, turn = 1;
+  unsigned tries = 3;
+  const Parameters list = {length("metres", metres, 0, 10, ""), number("share", share, 0, 1, ""),
+                           angle("turn_deg", turn, 0, 180, ""), count("tries", tries, 0, 9, "")};
+  multiplyLengths(list, 2.5);
+  EXPECT_EQ(metres, 5);
+  EXPECT_EQ(share, 0.5);
+  EXPECT_EQ(turn, 1);
+  EXPECT_EQ(tries, 3U);
+}
+
 }  // namespace
 }  // namespace mrpt::fusion::test

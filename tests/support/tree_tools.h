@@ -251,6 +251,13 @@ inline std::unique_ptr<octomap::OcTree> sceneTree(double resolution, unsigned se
 class MemoryLimit {
  public:
   explicit MemoryLimit(size_t megabytes) {
+#if defined(__SANITIZE_ADDRESS__)
+    megabytes += kSanitizerMegabytes;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+    megabytes += kSanitizerMegabytes;
+#endif
+#endif
     size_t pages = 0;
     std::ifstream("/proc/self/statm") >> pages;
     ::getrlimit(RLIMIT_AS, &old_);
@@ -263,6 +270,9 @@ class MemoryLimit {
   MemoryLimit& operator=(const MemoryLimit&) = delete;
 
  private:
+  /** AddressSanitizer reserves shadow memory, and ends a process that finds no memory instead of
+   * throwing std::bad_alloc. */
+  static constexpr size_t kSanitizerMegabytes = size_t{1} << 24;
   rlimit old_{};
 };
 

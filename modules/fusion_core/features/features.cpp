@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "fusion_core/features/edges.h"
+#include "fusion_core/features/parameters.h"
 #include "fusion_core/features/thinning.h"
+#include "fusion_core/map/map_scale.h"
 
 namespace mrpt::fusion {
 
@@ -18,9 +20,11 @@ std::atomic<size_t> extractions{0};
 size_t featureExtractions() { return extractions; }
 
 MapFeatures computeFeatures(std::shared_ptr<const octomap::OcTree> map,
-                            const FeatureParams& params) {
+                            const FeatureParams& unscaled) {
   extractions++;
   MapFeatures f{MapVoxels(std::move(map)), {}, {}};
+  f.scale = scaleOf(f.voxels, unscaled.scale);
+  const FeatureParams params = scaledBy(unscaled, f.scale);
   const auto kept = thinOut(f.voxels, params.voxel_spacing);
   f.matched.voxels = select(f.voxels, kept.index);
   f.matched.surfaces = computeSurfaces(f.matched.voxels, f.occupied, params.edges);

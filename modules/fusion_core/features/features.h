@@ -20,6 +20,7 @@ namespace mrpt::fusion {
 struct MapFeatures : MapVoxels {
   SurfaceVoxels matched;  ///< Voxels of the voxel level, with their surfaces
   EdgeVoxels edges;       ///< Structural edges, for the edge level
+  double scale = 1;       ///< Factor of lengths, see scaleOf()
 };
 /** Extracts the features of a map. Cost: see extractEdges(). */
 MapFeatures computeFeatures(std::shared_ptr<const octomap::OcTree> map,

@@ -13,4 +13,7 @@ namespace mrpt::fusion {
 /** Lists the parameters. They refer to the fields of \a params, which must outlive the result. */
 Parameters parametersOf(FeatureParams& params);
 
+/** Returns the parameters with all lengths multiplied by \a scale. */
+FeatureParams scaledBy(FeatureParams params, double scale);
+
 }  // namespace mrpt::fusion

@@ -14,6 +14,7 @@
 
 #include "fusion_core/features/features.h"
 #include "fusion_core/features/parameters.h"
+#include "fusion_core/map/map_scale.h"
 #include "fusion_octree/files.h"
 
 namespace mrpt::fusion {
@@ -45,8 +46,12 @@ struct PreparedMap::Prepared {
   Prepared(std::shared_ptr<const octomap::OcTree> map, const FeatureParams& p,
            std::optional<EdgeVoxels> edges)
       : octree(std::move(map)), params(p), edges_alone(std::move(edges)) {
-    features = edges_alone ? featuresOfEdges(octree, *octree, *edges_alone)
-                           : computeFeatures(octree, params);
+    if (edges_alone) {
+      features = featuresOfEdges(octree, *octree, *edges_alone);
+      features.scale = scaleOf(features.voxels, params.scale);
+    } else {
+      features = computeFeatures(octree, params);
+    }
   }
 
   /** Computes the hash at the first call: few users need it. */
@@ -65,8 +70,9 @@ struct PreparedMap::Prepared {
   const MapFeatures& byEdges() const {
     if (edges_alone) return features;
     std::call_once(edges_extracted, [this] {
-      const EdgeVoxels all = extractEdges(features.voxels, params.edges);
+      const EdgeVoxels all = extractEdges(features.voxels, scaledBy(params, features.scale).edges);
       features_by_edges = featuresOfEdges(octree, occupancyTree(all), all);
+      features_by_edges.scale = features.scale;
     });
     return features_by_edges;
   }
@@ -106,6 +112,7 @@ const octomap::OcTree& PreparedMap::wholeMap() const {
 
 const EdgeVoxels& PreparedMap::edges() const { return prepared_->features.edges; }
 size_t PreparedMap::occupiedVoxels() const { return prepared_->features.voxels.size(); }
+double PreparedMap::scale() const { return prepared_->features.scale; }
 uint64_t PreparedMap::contentHash() const { return prepared_->hash(); }
 const MapFeatures& PreparedMap::features() const { return prepared_->features; }
 const MapFeatures& PreparedMap::featuresByEdges() const { return prepared_->byEdges(); }

@@ -20,6 +20,13 @@ void FreeSpace::addCube(const OcTreeCube& leaf) {
   }
 }
 
+uint64_t FreeSpace::size() const {
+  uint64_t n = 0;
+  for (const uint64_t mask : masks_) n += static_cast<uint64_t>(__builtin_popcountll(mask));
+  for (const Range& cube : cubes_) n += cube.end - cube.first;
+  return n;
+}
+
 bool FreeSpace::has(const octomap::OcTreeKey& key) const {
   const octomap::OcTreeKey block = blockOf(key);
   if (const auto i = blocks_.at({block[0], block[1], block[2]}))

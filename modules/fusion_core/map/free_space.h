@@ -34,6 +34,9 @@ class FreeSpace {
     keys_ = {};
   }
 
+  /** Returns the number of free voxels. Cost: O(blocks). */
+  uint64_t size() const;
+
   /** True if a voxel is free. */
   bool has(const octomap::OcTreeKey& key) const;
 

@@ -31,12 +31,22 @@ struct MapVoxels {
   /** Extracts the voxels.
    * \param[in] of The map. It is shared and must not change afterwards. */
   explicit MapVoxels(std::shared_ptr<const octomap::OcTree> of)
-      : map(std::move(of)), voxels(extractOccupiedVoxels(*map, free)), occupied(voxels.key) {}
+      : map(std::move(of)),
+        voxels(extractOccupiedVoxels(*map, free)),
+        occupied(voxels.key),
+        has_free_space(static_cast<double>(free.size()) >=
+                       kLeastFreeShare * static_cast<double>(voxels.size())) {}
 
   std::shared_ptr<const octomap::OcTree> map;  ///< Octree
   FreeSpace free;                              ///< Free voxels
   OccupiedVoxels voxels;                       ///< Occupied voxels
   VoxelBlocks occupied;                        ///< Index of the occupied voxels by place
+  /** False if the map has almost no free voxels, for example if it was made of a point cloud. The
+   * absence of an obstacle then shows nothing. */
+  bool has_free_space = false;
+
+ private:
+  static constexpr double kLeastFreeShare = 0.1;  // of the number of occupied voxels
 };
 
 /** Returns the mean of points, m; the origin without points. */

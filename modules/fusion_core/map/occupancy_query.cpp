@@ -10,7 +10,11 @@ ObstacleCheck checkObstacle(const MapVoxels& map, const Eigen::Vector3d& p) {
   octomap::OcTreeKey key;
   if (!map.map->coordToKeyChecked(p.x(), p.y(), p.z(), key)) return ObstacleCheck::Unknown;
   if (map.occupied.anyAround({key[0], key[1], key[2]}, beside)) return ObstacleCheck::Confirmed;
-  return map.free.has(key) ? ObstacleCheck::Conflicting : ObstacleCheck::Unknown;
+  if (map.has_free_space)
+    return map.free.has(key) ? ObstacleCheck::Conflicting : ObstacleCheck::Unknown;
+  static const VoxelBlocks::Ball near(4);
+  return map.occupied.anyAround({key[0], key[1], key[2]}, near) ? ObstacleCheck::Missed
+                                                                : ObstacleCheck::Unknown;
 }
 
 bool isFree(const MapVoxels& map, const Eigen::Vector3d& p) {

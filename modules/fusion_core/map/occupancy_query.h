@@ -14,14 +14,17 @@ namespace mrpt::fusion {
 
 /** Result of the comparison of an obstacle with a map. */
 enum class ObstacleCheck : uint8_t {
-  Unknown,     ///< The place is unknown, without an obstacle in the voxels around it
-  Confirmed,   ///< The map has an obstacle there or in a neighbouring voxel
-  Conflicting  ///< The place is free, without an obstacle in the voxels around it
+  Unknown,      ///< The place is unknown, without an obstacle in the voxels around it
+  Confirmed,    ///< The map has an obstacle there or in a neighbouring voxel
+  Conflicting,  ///< The place is free, without an obstacle in the voxels around it
+  Missed        ///< As Unknown, in a map without free space: an obstacle is at most 4 voxels away
 };
 
 /** Compares an obstacle at a point (m, map frame) with a map. Only free space without an occupied
  * voxel around it is a conflict: the quantisation of both maps by half a voxel must not cause
- * conflicts. */
+ * conflicts. A map without free space (MapVoxels::has_free_space) has no conflicts. There an
+ * obstacle that lies near an obstacle of the map, but not on it, is the best evidence against a
+ * pose: the map covers that place, and shows something else. */
 ObstacleCheck checkObstacle(const MapVoxels& map, const Eigen::Vector3d& p);
 
 /** True if a map has seen free space at a point, m, map frame. */

@@ -12,6 +12,7 @@
 
 #include "fusion_core/features/features.h"
 #include "fusion_core/pair/match.h"
+#include "fusion_core/pair/scaled_options.h"
 #include "fusion_core/pair/verify.h"
 
 namespace mrpt::fusion {
@@ -33,6 +34,7 @@ Alignment sizesOf(const MapFeatures& a, const MapFeatures& b) {
   result.voxels_b = b.voxels.size();
   result.edges_a = a.edges.size();
   result.edges_b = b.edges.size();
+  result.scale = std::max(a.scale, b.scale);
   return result;
 }
 
@@ -81,8 +83,8 @@ Alignment align(const PreparedMap& map_a, const PreparedMap& map_b, const Prior&
   mrpt::system::CTicTac clock;
   Alignment result = sizesOf(a, b);
   result.by_edges = by_edges;
-  Options within_prior = options;
-  within_prior.search = prior.searchWithin(options.search);
+  Options within_prior = scaledBy(options, result.scale);
+  within_prior.search = prior.searchWithin(within_prior.search);
   result.match = matchMaps(a, b, guess, within_prior, on_iteration);
   result.seconds_matching = secondsSince(clock);
 
@@ -97,7 +99,7 @@ Alignment align(const PreparedMap& map_a, const PreparedMap& map_b, const Prior&
 }
 
 Alignment evaluate(const PreparedMap& map_a, const PreparedMap& map_b,
-                   const mrpt::poses::CPose3D& pose, const Options& options) {
+                   const mrpt::poses::CPose3D& pose, const Options& unscaled) {
   map_a.wholeMap();
   map_b.wholeMap();
   mrpt::system::CTicTac clock;
@@ -105,6 +107,7 @@ Alignment evaluate(const PreparedMap& map_a, const PreparedMap& map_b,
   const Eigen::Isometry3d T_a_b = toEigen(pose);
   checkReach(a, b, T_a_b, "the pose");
   Alignment result = sizesOf(a, b);
+  const Options options = scaledBy(unscaled, result.scale);
   result.match = matchAt(a, b, T_a_b, options);
   result.evaluation = verify(a, b, options, result.match);
   result.seconds_evaluation = secondsSince(clock);

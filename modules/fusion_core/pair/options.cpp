@@ -9,6 +9,7 @@
 #include "fusion_base/parameter.h"
 #include "fusion_core/features/parameters.h"
 #include "fusion_core/merge/parameters.h"
+#include "fusion_core/pair/scaled_options.h"
 #include "fusion_core/registration/parameters.h"
 #include "fusion_core/search/parameters.h"
 #include "fusion_core/verdict/parameters.h"
@@ -27,6 +28,11 @@ Parameters parametersOf(Options& o) {
 }
 
 }  // namespace
+
+Options scaledBy(Options options, double scale) {
+  if (scale != 1) multiplyLengths(parametersOf(options), scale);
+  return options;
+}
 
 void Options::loadFromConfigFile(const mrpt::config::CConfigFileBase& source,
                                  const std::string& section) {

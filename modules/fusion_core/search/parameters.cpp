@@ -24,12 +24,12 @@ Parameters parametersOf(SearchParams& params) {
   SearchBudget& b = params.budget;
   AllRotationsParams& r = params.all_rotations;
   return {
-      number(
+      length(
           "search_translation", params.translation, 0, 1000,
           "Half width of the search around the guess in x and y, m; 0: start at the guess alone"),
-      number("search_height", params.height, 0, 1000, "Half width of the search in z, m"),
+      length("search_height", params.height, 0, 1000, "Half width of the search in z, m"),
       angle("search_yaw_deg", params.yaw, 0, 180, "Half width of the search in yaw, deg"),
-      number("search_cell", params.cell, 1e-3, 1000,
+      length("search_cell", params.cell, 1e-3, 1000,
              "Coarse cell of the search, at least 2 voxels, m"),
       count("search_hypotheses", params.hypotheses, 0, 1000,
             "Number of starts that the search returns, beside the guess"),
@@ -41,7 +41,7 @@ Parameters parametersOf(SearchParams& params) {
                       "Without a guess: least alignment of walls at a yaw, 0: mean, 1: best")),
       advanced(number("search_floor_share", params.floor_share, 0, 1,
                       "Least alignment of floors at a height, as a share of the best")),
-      advanced(number("search_margin", params.margin, 0, 1000,
+      advanced(length("search_margin", params.margin, 0, 1000,
                       "Free space farther than this from all obstacles is ignored, m")),
       advanced(count("search_distinct_cells", params.distinct_cells, 0, 1000,
                      "Hypotheses at most this number of cells apart,")),

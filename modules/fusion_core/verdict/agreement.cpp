@@ -29,6 +29,8 @@ ObstacleCounts countObstacles(const MapVoxels& map, const Obstacles& obstacles, 
       counts.confirmed += same_side ? 1 : params.other_side;
     } else if (check == ObstacleCheck::Conflicting) {
       counts.contradicted++;
+    } else if (check == ObstacleCheck::Missed) {
+      counts.contradicted += params.missed;
     }
   }
   return counts;

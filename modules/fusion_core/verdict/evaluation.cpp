@@ -84,7 +84,12 @@ FreeSpaceCheck checkFreeSpace(const MapVoxels& a, const OccupiedVoxels& b,
   const auto count = [&](ObstacleCheck c) {
     return static_cast<size_t>(std::count(checks.begin(), checks.end(), c));
   };
-  return {count(ObstacleCheck::Confirmed), count(ObstacleCheck::Conflicting)};
+  FreeSpaceCheck check;
+  check.agreeing = count(ObstacleCheck::Confirmed);
+  check.conflicting = count(ObstacleCheck::Conflicting);
+  check.missed = count(ObstacleCheck::Missed);
+  if (!a.has_free_space) check.agreeing_without_free = check.agreeing;
+  return check;
 }
 
 Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pairs,
@@ -120,7 +125,8 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
   const size_t stride = std::max(stride_a, stride_b);
   const FreeSpaceCheck b_in_a = checkFreeSpace(a, b.voxels, T_a_b, stride);
   const FreeSpaceCheck a_in_b = checkFreeSpace(b, a.voxels, T_a_b.inverse(), stride);
-  e.free_space = {b_in_a.agreeing + a_in_b.agreeing, b_in_a.conflicting + a_in_b.conflicting};
+  e.free_space = b_in_a + a_in_b;
+  e.without_free_space = 0.5 * ((a.has_free_space ? 0 : 1) + (b.has_free_space ? 0 : 1));
 
   e.accepted = true;
   const auto judge = [&](bool good, const std::string& yes, const std::string& no) {
@@ -135,11 +141,19 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
       "inlier ratio " + percent(e.inlier_ratio) + " is not above its threshold " +
           percent(e.threshold));
   const double conflict = e.free_space.conflictRatio();
-  judge(conflict <= params.max_free_conflict,
-        percent(conflict) + " of the obstacles lie in the other map's free space, at most " +
-            percent(params.max_free_conflict) + " are allowed",
-        percent(conflict) + " of the obstacles lie in the other map's free space, more than " +
-            percent(params.max_free_conflict));
+  // Free space that no map has is no evidence, and must not read like good evidence.
+  const std::string missed = percent(e.free_space.missedRatio()) +
+                             " of the obstacles compared there lie beside the obstacles of the map";
+  const std::string conflicting =
+      percent(conflict) + " of the obstacles lie in the other map's free space, ";
+  const std::string of_one =
+      e.without_free_space > 0 ? "; one map has no free space: " + missed : "";
+  if (e.without_free_space >= 1)
+    e.reasons.push_back("neither map has free space to show conflicts: " + missed);
+  else
+    judge(conflict <= params.max_free_conflict,
+          conflicting + "at most " + percent(params.max_free_conflict) + " are allowed" + of_one,
+          conflicting + "more than " + percent(params.max_free_conflict) + of_one);
   e.runner_up = runner_up;
   const bool has_rival = runner_up > params.max_runner_up;
   const bool is_well = e.accepted;

@@ -211,6 +211,67 @@ TEST_F(Aligning, AGivenPoseIsJudgedAsItIs) {
   EXPECT_LT(off.evaluation.probability, right.evaluation.probability);
 }
 
+// ---------------------------------------------------------------- maps of other kinds
+
+/** The same voxels in a map whose voxels are \a factor times as wide. Leaves of more than one voxel
+ * keep their size in voxels. \a keeps_free tells whether free space is copied. */
+octomap::OcTree rescaled(const octomap::OcTree& map, double factor, bool keeps_free = true) {
+  octomap::OcTree result(factor * map.getResolution());
+  octomap::OcTree whole(map);
+  whole.expand();
+  for (auto leaf = whole.begin_leafs(); leaf != whole.end_leafs(); ++leaf)
+    if (keeps_free || whole.isNodeOccupied(*leaf))
+      result.setNodeValue(leaf.getKey(), 0.F, true)->setLogOdds(leaf->getLogOdds());
+  result.updateInnerOccupancy();
+  result.prune();
+  return result;
+}
+
+TEST_F(Aligning, AcceptsTheSameMapsAtLargerVoxels) {
+  constexpr double kFactor = 5;  // voxels of 1 m
+  const PreparedMap coarse_a(rescaled(*maps().map_a, kFactor)),
+      coarse_b(rescaled(*maps().map_b, kFactor));
+  const Alignment r = align(coarse_a, coarse_b, Prior::none(), {});
+  const Alignment plain = align(a(), b(), Prior::none(), {});
+  EXPECT_EQ(plain.scale, 1);
+  EXPECT_EQ(r.scale, kFactor);
+  Eigen::Isometry3d expected = truth;
+  expected.translation() *= kFactor;
+  EXPECT_LT(metresBetween(r.match.T_a_b, expected), 0.2 * kFactor);
+  EXPECT_LT(degreesBetween(r.match.T_a_b, expected), 1);
+  EXPECT_EQ(r.evaluation.accepted, plain.evaluation.accepted);
+  EXPECT_NEAR(r.evaluation.probability, plain.evaluation.probability, 0.02);
+
+  Options metres;
+  metres.features.scale.fixed = 1;
+  EXPECT_FALSE(align(PreparedMap(*coarse_a.octree(), metres.features),
+                     PreparedMap(*coarse_b.octree(), metres.features), Prior::none(), metres)
+                   .evaluation.accepted);
+}
+
+TEST_F(Aligning, WithoutFreeSpaceSaysSoAndCountsMissedObstacles) {
+  const PreparedMap cloud_a(rescaled(*maps().map_a, 1, false)),
+      cloud_b(rescaled(*maps().map_b, 1, false));
+  const auto right = evaluate(cloud_a, cloud_b, toPose(truth), {}).evaluation;
+  const auto moved = evaluate(cloud_a, cloud_b, toPose(wrong), {}).evaluation;
+  for (const Evaluation& e : {right, moved}) {
+    EXPECT_EQ(e.without_free_space, 1);
+    EXPECT_EQ(e.free_space.conflicting, 0U);
+    EXPECT_EQ(e.free_space.agreeing, e.free_space.agreeing_without_free);
+    std::string all;
+    for (const auto& reason : e.reasons) all += reason + "\n";
+    EXPECT_NE(all.find("neither map has free space"), std::string::npos) << all;
+  }
+  EXPECT_LT(right.free_space.missedRatio(), 0.1);
+  EXPECT_GT(moved.free_space.missedRatio(), 3 * right.free_space.missedRatio());
+
+  const auto one_sided = evaluate(a(), cloud_b, toPose(truth), {}).evaluation;
+  EXPECT_EQ(one_sided.without_free_space, 0.5);
+  EXPECT_GT(one_sided.free_space.agreeing, one_sided.free_space.agreeing_without_free);
+  EXPECT_GT(one_sided.free_space.agreeing_without_free, 0U);
+  EXPECT_EQ(evaluate(a(), b(), toPose(truth), {}).evaluation.free_space.missed, 0U);
+}
+
 // ---------------------------------------------------------------- edges alone
 
 TEST_F(Aligning, EdgesAloneTellWhereTheMapsMeet) {

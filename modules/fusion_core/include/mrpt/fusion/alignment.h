@@ -23,6 +23,7 @@ struct MRPT_FUSION_API Alignment {
   MatchResult match;              ///< Pose, covariance, hypotheses, iterations, pairs
   Evaluation evaluation;          ///< The verdict and its reasons
   bool by_edges = false;          ///< True if only edges were compared: a map has only edges
+  double scale = 1;               ///< Factor of all lengths in the options, see ScaleParams
   size_t edges_a = 0;             ///< Number of edge voxels of A
   size_t edges_b = 0;             ///< Number of edge voxels of B
   size_t voxels_a = 0;            ///< Number of occupied voxels of A

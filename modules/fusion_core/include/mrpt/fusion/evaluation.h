@@ -46,6 +46,8 @@ struct AgreementParams {
   double tolerance = 0.02;    ///< Conflict ratio at which 1/e of the agreement is left
   double other_side = 0.05;   ///< Weight of an obstacle seen from the other side, [0,1]
   double front_voxels = 2.5;  ///< Distance of the free space in front of an obstacle, voxels
+  /** Weight of an obstacle beside the obstacles of a map without free space, over a conflict. */
+  double missed = 0.1;
 };
 
 /** Settings of the comparison of hypotheses: numbers of poses and voxels, precision. */
@@ -87,32 +89,52 @@ struct EvaluationParams {
   VerdictModel model;              ///< Model from evidence to probability
 };
 
-/** Occupied voxels of one map, compared with the other map at the same places. */
+/** Occupied voxels of one map, compared with the other map at the same places. A map without free
+ * space cannot show a conflict. Its part of the evidence is counted apart. */
 struct FreeSpaceCheck {
   size_t agreeing = 0;     ///< Number of voxels with an obstacle there or in a neighbouring voxel
   size_t conflicting = 0;  ///< Number of voxels in seen free space without an obstacle around
+  size_t agreeing_without_free = 0;  ///< Part of agreeing that maps without free space confirm
+  /** Number of voxels beside the obstacles of a map without free space: 2 to 4 voxels away. */
+  size_t missed = 0;
+
+  /** Returns the sums of both checks. */
+  FreeSpaceCheck operator+(const FreeSpaceCheck& other) const {
+    FreeSpaceCheck sum = *this;
+    sum.agreeing += other.agreeing;
+    sum.conflicting += other.conflicting;
+    sum.agreeing_without_free += other.agreeing_without_free;
+    sum.missed += other.missed;
+    return sum;
+  }
   /** Conflict ratio, [0,1]; 0 if nothing is known. */
-  double conflictRatio() const {
-    const size_t n = agreeing + conflicting;
-    return n > 0 ? static_cast<double>(conflicting) / static_cast<double>(n) : 0;
+  double conflictRatio() const { return ratio(conflicting, agreeing - agreeing_without_free); }
+  /** Ratio of missed voxels in maps without free space, [0,1]; 0 if both maps have free space. */
+  double missedRatio() const { return ratio(missed, agreeing_without_free); }
+
+ private:
+  static double ratio(size_t against, size_t in_favour) {
+    const size_t n = against + in_favour;
+    return n > 0 ? static_cast<double>(against) / static_cast<double>(n) : 0;
   }
 };
 
 /** The verdict on a match, with its evidence. */
 struct Evaluation {
-  size_t sampled = 0;           ///< Number of voxels of B to pair
-  size_t pairs = 0;             ///< Number of pairs: N_match, if all voxels of B are used
-  size_t inliers = 0;           ///< Number of pairs below EvaluationParams::inlier_mahalanobis
-  double overlap = 0;           ///< Overlap Theta, eq. (25), [0,1]
-  double inlier_ratio = 0;      ///< Inliers over pairs, [0,1]
-  double threshold = 1;         ///< Least accepted inlier ratio at this overlap
-  double mean_mahalanobis = 0;  ///< Mean Mahalanobis distance of the pairs
-  double log_likelihood = 0;    ///< Logarithm of eq. (23)
-  FreeSpaceCheck free_space;    ///< Sum of both directions, for the voxels in the verdict
-  double runner_up = 0;         ///< Agreement of the best rival over the agreement of this pose
-  bool is_ambiguous = false;    ///< True if a rival is the only reason for the rejection
-  PoseDeviation deviation;      ///< Standard deviations of the pose
-  double probability = 0;       ///< Probability that the pose is right, [0,1]
+  size_t sampled = 0;             ///< Number of voxels of B to pair
+  size_t pairs = 0;               ///< Number of pairs: N_match, if all voxels of B are used
+  size_t inliers = 0;             ///< Number of pairs below EvaluationParams::inlier_mahalanobis
+  double overlap = 0;             ///< Overlap Theta, eq. (25), [0,1]
+  double inlier_ratio = 0;        ///< Inliers over pairs, [0,1]
+  double threshold = 1;           ///< Least accepted inlier ratio at this overlap
+  double mean_mahalanobis = 0;    ///< Mean Mahalanobis distance of the pairs
+  double log_likelihood = 0;      ///< Logarithm of eq. (23)
+  FreeSpaceCheck free_space;      ///< Sum of both directions, for the voxels in the verdict
+  double without_free_space = 0;  ///< Share of the maps without free space: 0, 0.5 or 1
+  double runner_up = 0;           ///< Agreement of the best rival over the agreement of this pose
+  bool is_ambiguous = false;      ///< True if a rival is the only reason for the rejection
+  PoseDeviation deviation;        ///< Standard deviations of the pose
+  double probability = 0;         ///< Probability that the pose is right, [0,1]
   /** True if the pose can be trusted. */
   bool accepted = false;
   std::vector<std::string> reasons;  ///< Reasons of the verdict, one sentence each

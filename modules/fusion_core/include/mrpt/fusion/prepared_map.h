@@ -3,6 +3,7 @@
 
 #include <mrpt/fusion/edges.h>
 #include <mrpt/fusion/export.h>
+#include <mrpt/fusion/voxels.h>
 #include <octomap/OcTree.h>
 
 #include <cstddef>
@@ -16,7 +17,8 @@ namespace mrpt::fusion {
 
 /** Settings of the features of a map. */
 struct FeatureParams {
-  EdgeParams edges;  ///< Settings of Algorithm 1
+  ScaleParams scale;  ///< Scale of the map
+  EdgeParams edges;   ///< Settings of Algorithm 1
   /** Least width of the cubes of the thinning, m. Matching uses one voxel of each cube of the
    * octree: the voxel with the highest probability, with the weight of all voxels of the cube.
    * 0: all voxels, as published. */
@@ -63,6 +65,8 @@ class MRPT_FUSION_API PreparedMap {
   const EdgeVoxels& edges() const;
   /** Returns the number of occupied voxels at the finest resolution. */
   size_t occupiedVoxels() const;
+  /** Returns the scale of the map, see ScaleParams. */
+  double scale() const;
   /** Returns a hash of the octree's structure, log-odds and resolution, and of the parameters.
    * Equal maps with equal parameters have equal hashes on all machines of the same byte order. The
    * hash is not cryptographic. */

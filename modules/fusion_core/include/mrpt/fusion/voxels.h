@@ -37,4 +37,14 @@ struct OccupiedVoxels {
 MRPT_FUSION_API OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map,
                                                      size_t max_voxels = kMaxVoxels);
 
+/** Settings of the scale of a map: the factor of all lengths in the options. The default lengths
+ * fit buildings at voxels of 5 to 20 cm, where the factor is 1. It is larger for larger voxels, and
+ * smaller for small scenes at small voxels. The scale of a pair is the larger scale of its maps. */
+struct ScaleParams {
+  double fixed = 0;           ///< Scale of all maps; 0: computed from the voxels of each map
+  double fine_voxel = 0.05;   ///< Voxel size below which the scale may be below 1, m
+  double coarse_voxel = 0.2;  ///< Voxel size above which the scale is above 1, m
+  double small_scene = 10;    ///< Size of a scene below which the scale may be below 1, m
+};
+
 }  // namespace mrpt::fusion

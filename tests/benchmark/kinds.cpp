@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kinds.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <ostream>
+#include <random>
+#include <string>
+#include <utility>
+
+#include "fusion_octree/resampling.h"
+#include "pmm_methods.h"
+
+namespace mrpt::fusion::benchmark {
+namespace {
+
+using Tree = std::shared_ptr<const octomap::OcTree>;
+
+Tree coarse(const Tree& map, double factor) {
+  return Tree(transformOcTree(*map, Eigen::Isometry3d::Identity(), factor * map->getResolution()));
+}
+
+Tree withoutFreeSpace(const Tree& map) {
+  return changed(*map, [&](const auto&, float l) { return l >= 0 ? l : NAN; });
+}
+
+/** A third of the obstacles, spread at random. */
+Tree sparse(const Tree& map) {
+  const auto seen = [](const octomap::OcTreeKey& key) {
+    return octomap::OcTreeKey::KeyHash()(key) * 2654435761U % 4294967296U < 4294967296U / 3;
+  };
+  return changed(*map, [&](const auto& key, float l) { return l < 0 || seen(key) ? l : NAN; });
+}
+
+/** The layer of voxels that holds the height \a z, m. */
+Tree oneLayer(const Tree& map, double z) {
+  const octomap::key_type layer = map->coordToKey(z);
+  return changed(*map, [=](const auto& key, float l) { return key[2] == layer ? l : NAN; });
+}
+
+double heightOf(const octomap::OcTree& map, double share) {
+  std::vector<float> heights;
+  for (const auto& c : extractOccupiedVoxels(map).centre) heights.push_back(c.z());
+  if (heights.empty()) return 0;
+  const auto at = heights.begin() +
+                  static_cast<std::ptrdiff_t>(share * static_cast<double>(heights.size() - 1));
+  std::nth_element(heights.begin(), at, heights.end());
+  return *at;
+}
+
+/** Both maps at the height of a lidar; of maps with a common vertical only. */
+void cutToOneLayer(MapPair& pair) {
+  const double z = heightOf(*pair.a, 0.5);
+  const Eigen::Vector3d middle = pair.T_a_b * pair.centre_of_b;
+  const double z_b = (pair.T_a_b.inverse() * Eigen::Vector3d(middle.x(), middle.y(), z)).z();
+  pair.a = oneLayer(pair.a, z);
+  pair.b = oneLayer(pair.b, z_b);
+}
+
+bool isUpright(const MapPair& pair) {
+  constexpr double kLeastCosine = 0.9998;  // 1.1 deg
+  return pair.T_a_b.linear()(2, 2) > kLeastCosine;
+}
+
+std::vector<std::pair<std::string, std::function<void(MapPair&)>>> kindsOf(const MapPair& pair) {
+  const auto both = [](Tree (*change)(const Tree&)) {
+    return [=](MapPair& p) {
+      p.a = change(p.a);
+      p.b = change(p.b);
+    };
+  };
+  const auto coarsen = [](double factor) {
+    return [=](MapPair& p) {
+      p.a = coarse(p.a, factor);
+      p.b = coarse(p.b, factor);
+    };
+  };
+  std::vector<std::pair<std::string, std::function<void(MapPair&)>>> kinds = {
+      {"as it is", [](MapPair&) {}},
+      {"voxels twice as wide", coarsen(2)},
+      {"voxels 4 times as wide", coarsen(4)},
+      {"no free space", both(withoutFreeSpace)},
+      {"no free space in B", [](MapPair& p) { p.b = withoutFreeSpace(p.b); }},
+      {"a third of the obstacles", both(sparse)}};
+  if (isUpright(pair)) kinds.emplace_back("one layer", cutToOneLayer);
+  return kinds;
+}
+
+}  // namespace
+
+void judgeKinds(const MapPair& pair, const std::vector<MapPair>& others, const Effort& effort,
+                std::ostream& csv) {
+  constexpr unsigned kParts = 24;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  csv << "dataset,kind,case,overlap,error_m,error_deg,scale,probability,verdict,matched_overlap,"
+         "conflict_ratio,runner_up,inlier_ratio,missed_ratio,without_free\n";
+  const auto judge = [&](const std::string& kind, const std::string& of, const MapPair& maps,
+                         bool has_truth) {
+    if (extractOccupiedVoxels(*maps.a).size() == 0 || extractOccupiedVoxels(*maps.b).size() == 0)
+      return;
+    const auto method = makeMethod("anywhere");
+    method->prepare(maps);
+    const Registration r = method->align(Eigen::Isometry3d::Identity());
+    const PoseError error = errorOf(r.T_a_b, maps);
+    csv << pair.name << ',' << kind << ',' << of << ',' << (has_truth ? trueOverlap(maps) : 0)
+        << ',' << (has_truth ? error.centre : kInfinity) << ',' << error.angle * 180 / M_PI << ','
+        << r.scale << ',' << r.probability << ',' << (*r.accepted ? "accepted" : "rejected") << ','
+        << r.overlap << ',' << r.conflict_ratio << ',' << r.runner_up << ',' << r.inlier_ratio
+        << ',' << r.missed_ratio << ',' << r.without_free << std::endl;
+  };
+  MapPair image = pair;
+  image.b = mirrored(*pair.b);
+  for (const auto& [kind, change] : kindsOf(pair)) {
+    std::mt19937 generator(7);
+    for (unsigned i = 0; i < kParts; i++) {
+      MapPair parts = i == 0 ? pair : randomParts(pair, generator);
+      if (i % effort.stride != 0) continue;
+      change(parts);
+      judge(kind, "part " + std::to_string(i), parts, true);
+    }
+    const auto wrong = [&](const std::string& of, MapPair maps) {
+      change(maps);
+      judge(kind, of, maps, false);
+    };
+    wrong("mirror image", image);
+    for (const MapPair& other : others) {
+      MapPair strangers = pair;
+      strangers.b = other.b;
+      wrong(other.name, strangers);
+    }
+  }
+}
+
+}  // namespace mrpt::fusion::benchmark
