@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "fusion_octree/build.h"
@@ -24,6 +25,16 @@ inline octomap::OcTreeKey keyInOctreeOrder(uint64_t i) {
     for (unsigned axis = 0; axis < 3; axis++)
       key[axis] |= static_cast<octomap::key_type>((i >> (3 * bit + axis) & 1) << bit);
   return key;
+}
+
+/** Gets the key of the finest voxel at a point (m, map frame). Returns false if the point is
+ * outside the grid or not finite. OcTree::coordToKeyChecked() converts the coordinates to int
+ * before it compares them with the grid: far points overflow. */
+inline bool keyAt(const octomap::OcTree& tree, const octomap::point3d& p, octomap::OcTreeKey& key) {
+  const double limit = tree.getResolution() * (1U << OcTreeCube::kMaxDepth);  // twice the reach
+  for (unsigned axis = 0; axis < 3; axis++)
+    if (!(std::abs(p(axis)) <= limit)) return false;
+  return tree.coordToKeyChecked(p, key);
 }
 
 namespace detail {

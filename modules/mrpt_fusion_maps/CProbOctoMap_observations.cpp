@@ -15,6 +15,8 @@
 #include <cmath>
 #include <optional>
 
+#include "fusion_octree/walk.h"
+
 using namespace mrpt::maps;
 using namespace mrpt::obs;
 
@@ -165,13 +167,8 @@ void CProbOctoMap::updateVoxel(double x, double y, double z, bool occupied) {
 }
 
 bool CProbOctoMap::getPointOccupancy(float x, float y, float z, double& prob_occupancy) const {
-  // OctoMap converts any coordinate to int before it compares it with the grid.
-  constexpr double kHalfGrid = 32768;  // voxels
-  const double reach = kHalfGrid * m_octree->getResolution();
-  for (const float c : {x, y, z})
-    if (!(std::abs(c) <= reach)) return false;
   octomap::OcTreeKey key;
-  if (!m_octree->coordToKeyChecked(octomap::point3d(x, y, z), key)) return false;
+  if (!mrpt::fusion::keyAt(*m_octree, {x, y, z}, key)) return false;
   const auto* node = m_octree->search(key);
   if (!node) return false;
   prob_occupancy = node->getOccupancy();

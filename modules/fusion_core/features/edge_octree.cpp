@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "fusion_core/features/edges.h"
+#include "fusion_octree/walk.h"
 
 namespace mrpt::fusion {
 namespace {
@@ -23,7 +24,7 @@ octomap::OcTree treeOf(const EdgeVoxels& edges, F&& value) {
   for (size_t i = 0; i < edges.size(); i++) {
     octomap::OcTreeKey key;
     const Eigen::Vector3f& c = edges.centre[i];
-    ASSERTMSG_(c.allFinite() && tree.coordToKeyChecked(c.x(), c.y(), c.z(), key),
+    ASSERTMSG_(keyAt(tree, {c.x(), c.y(), c.z()}, key),
                "an edge voxel lies outside the octree's grid");
     const float p = edges.probability[i];
     ASSERTMSG_(p > 0 && p <= 1, "edge voxels: a probability is not in (0,1]");
