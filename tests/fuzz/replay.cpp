@@ -17,26 +17,18 @@
 #include <vector>
 
 #include "fuzz_targets.inc"  // by CMake: declares the functions of each target, and kTargets
+#include "support/sanitizers.h"
 
 namespace fs = std::filesystem;
 
 namespace {
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define UNDER_SANITIZER
-#endif
-#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define UNDER_SANITIZER
-#endif
-
-/** Lets allocations fail from 2 GB on. Sanitizers reserve terabytes. */
+/** Lets allocations fail from 2 GB on, except in builds with a sanitizer. */
 void limitMemory() {
-#ifndef UNDER_SANITIZER
+  if (map_tests::kHasSanitizer) return;
   constexpr rlim_t kMost = rlim_t{2} << 30U;
   const rlimit limit{kMost, kMost};
   ::setrlimit(RLIMIT_AS, &limit);
-#endif
 }
 
 std::string read(const fs::path& path) {

@@ -24,6 +24,7 @@
 #include "fusion_octree/build.h"
 #include "fusion_octree/files.h"
 #include "support/file_tools.h"
+#include "support/sanitizers.h"
 
 /** \file
  * What several test files need: octrees of every shape, and ways to look at them that do not go
@@ -251,16 +252,10 @@ inline std::unique_ptr<octomap::OcTree> sceneTree(double resolution, unsigned se
 class MemoryLimit {
  public:
   explicit MemoryLimit(size_t megabytes) {
-#if defined(__SANITIZE_ADDRESS__)
-    megabytes += kSanitizerMegabytes;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-    megabytes += kSanitizerMegabytes;
-#endif
-#endif
+    ::getrlimit(RLIMIT_AS, &old_);
+    if (kHasSanitizer) return;
     size_t pages = 0;
     std::ifstream("/proc/self/statm") >> pages;
-    ::getrlimit(RLIMIT_AS, &old_);
     rlimit limit = old_;
     limit.rlim_cur = pages * static_cast<size_t>(::sysconf(_SC_PAGESIZE)) + (megabytes << 20);
     ::setrlimit(RLIMIT_AS, &limit);
@@ -270,9 +265,6 @@ class MemoryLimit {
   MemoryLimit& operator=(const MemoryLimit&) = delete;
 
  private:
-  /** AddressSanitizer reserves shadow memory, and ends a process that finds no memory instead of
-   * throwing std::bad_alloc. */
-  static constexpr size_t kSanitizerMegabytes = size_t{1} << 24;
   rlimit old_{};
 };
 
