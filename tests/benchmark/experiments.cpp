@@ -16,9 +16,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "csv.h"
 #include "fusion_core/map/map_voxels.h"
 #include "fusion_core/verdict/evaluation.h"
-#include "fusion_octree/resampling.h"
 #include "pmm_methods.h"
 #include "stopwatch.h"
 #include "support/matching_tools.h"
@@ -27,14 +27,6 @@
 namespace mrpt::fusion::benchmark {
 namespace {
 
-/** Values separated by commas, and a newline. */
-template <class First, class... Rest>
-void writeRow(std::ostream& csv, const First& first, const Rest&... rest) {
-  csv << first;
-  ((csv << ',' << rest), ...);
-  csv << '\n';
-}
-
 std::vector<Start> every(unsigned stride, const std::vector<Start>& starts) {
   std::vector<Start> some;
   for (size_t i = 0; i < starts.size(); i += stride) some.push_back(starts[i]);
@@ -42,12 +34,6 @@ std::vector<Start> every(unsigned stride, const std::vector<Start>& starts) {
 }
 
 double degrees(double radians) { return mrpt::RAD2DEG(radians); }
-
-/** "accepted", "rejected", or nothing. */
-const char* verdictText(const std::optional<bool>& accepted) {
-  if (!accepted) return "";
-  return *accepted ? "accepted" : "rejected";
-}
 
 /** Thresholds of Fig. 15 (Mahalanobis distances). */
 std::vector<double> inlierThresholds() {
@@ -300,27 +286,20 @@ void judgeVerdicts(const MapPair& pair, const Effort& effort, std::ostream& csv)
 
 void mixMaps(const MapPair& pair, const Effort& effort, std::ostream& csv) {
   writeRow(csv, "dataset,mix,start,error_m,error_deg,verdict");
-  const auto of = [&](const octomap::OcTree& map, double resolution) {
-    return std::shared_ptr<const octomap::OcTree>(
-        mrpt::fusion::transformOcTree(map, Eigen::Isometry3d::Identity(), resolution));
-  };
   const double d = pair.a->getResolution();
   const float occupied = pair.b->getClampingThresMaxLog(), free = pair.b->getClampingThresMinLog();
-  const auto seen = [](const octomap::OcTreeKey& key) {  // a third, spread at random
-    return octomap::OcTreeKey::KeyHash()(key) * 2654435761U % 4294967296U < 4294967296U / 3;
-  };
   const std::vector<std::pair<const char*, std::function<void(MapPair&)>>> mixes = {
-      {"B of half the voxel size", [&](MapPair& p) { p.b = of(*p.b, d / 2); }},
-      {"B of twice the voxel size", [&](MapPair& p) { p.b = of(*p.b, 2 * d); }},
+      {"B of half the voxel size", [&](MapPair& p) { p.b = resampled(*p.b, d / 2); }},
+      {"B of twice the voxel size", [&](MapPair& p) { p.b = resampled(*p.b, 2 * d); }},
       {"A of twice and B of half",
        [&](MapPair& p) {
-         p.a = of(*p.a, 2 * d);
-         p.b = of(*p.b, d / 2);
+         p.a = resampled(*p.a, 2 * d);
+         p.b = resampled(*p.b, d / 2);
        }},
       {"both of twice the voxel size",
        [&](MapPair& p) {
-         p.a = of(*p.a, 2 * d);
-         p.b = of(*p.b, 2 * d);
+         p.a = resampled(*p.a, 2 * d);
+         p.b = resampled(*p.b, 2 * d);
        }},
       {"B without probabilities",
        [&](MapPair& p) {
@@ -328,10 +307,7 @@ void mixMaps(const MapPair& pair, const Effort& effort, std::ostream& csv) {
        }},
       {"B never clamped",
        [](MapPair& p) { p.b = changed(*p.b, [](const auto&, float l) { return 4 * l; }); }},
-      {"B saw a third of the obstacles", [&](MapPair& p) {
-         p.b =
-             changed(*p.b, [&](const auto& key, float l) { return l < 0 || seen(key) ? l : NAN; });
-       }}};
+      {"B saw a third of the obstacles", [](MapPair& p) { p.b = withAThirdOfObstacles(*p.b); }}};
   const auto starts = every(5 * effort.stride, paperStarts());
   for (const auto& [name, mix] : mixes) {
     MapPair mixed = pair;

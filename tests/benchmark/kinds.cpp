@@ -5,12 +5,13 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <ostream>
+#include <memory>
 #include <random>
 #include <string>
 #include <utility>
+#include <vector>
 
-#include "fusion_octree/resampling.h"
+#include "csv.h"
 #include "pmm_methods.h"
 
 namespace mrpt::fusion::benchmark {
@@ -18,41 +19,29 @@ namespace {
 
 using Tree = std::shared_ptr<const octomap::OcTree>;
 
-Tree coarse(const Tree& map, double factor) {
-  return Tree(transformOcTree(*map, Eigen::Isometry3d::Identity(), factor * map->getResolution()));
-}
-
 Tree withoutFreeSpace(const Tree& map) {
-  return changed(*map, [&](const auto&, float l) { return l >= 0 ? l : NAN; });
+  return changed(*map, [](const auto&, float l) { return l >= 0 ? l : NAN; });
 }
 
-/** A third of the obstacles, spread at random. */
-Tree sparse(const Tree& map) {
-  const auto seen = [](const octomap::OcTreeKey& key) {
-    return octomap::OcTreeKey::KeyHash()(key) * 2654435761U % 4294967296U < 4294967296U / 3;
-  };
-  return changed(*map, [&](const auto& key, float l) { return l < 0 || seen(key) ? l : NAN; });
-}
-
-/** The layer of voxels that holds the height \a z, m. */
+/** Returns the layer of voxels at the height \a z, m. */
 Tree oneLayer(const Tree& map, double z) {
   const octomap::key_type layer = map->coordToKey(z);
   return changed(*map, [=](const auto& key, float l) { return key[2] == layer ? l : NAN; });
 }
 
-double heightOf(const octomap::OcTree& map, double share) {
+/** Returns the median height of the obstacles, m. */
+double medianHeight(const octomap::OcTree& map) {
   std::vector<float> heights;
   for (const auto& c : extractOccupiedVoxels(map).centre) heights.push_back(c.z());
   if (heights.empty()) return 0;
-  const auto at = heights.begin() +
-                  static_cast<std::ptrdiff_t>(share * static_cast<double>(heights.size() - 1));
-  std::nth_element(heights.begin(), at, heights.end());
-  return *at;
+  const auto middle = heights.begin() + static_cast<std::ptrdiff_t>((heights.size() - 1) / 2);
+  std::nth_element(heights.begin(), middle, heights.end());
+  return *middle;
 }
 
-/** Both maps at the height of a lidar; of maps with a common vertical only. */
+/** Cuts both maps to the layer at A's median height. Needs maps with a common vertical. */
 void cutToOneLayer(MapPair& pair) {
-  const double z = heightOf(*pair.a, 0.5);
+  const double z = medianHeight(*pair.a);
   const Eigen::Vector3d middle = pair.T_a_b * pair.centre_of_b;
   const double z_b = (pair.T_a_b.inverse() * Eigen::Vector3d(middle.x(), middle.y(), z)).z();
   pair.a = oneLayer(pair.a, z);
@@ -65,22 +54,21 @@ bool isUpright(const MapPair& pair) {
 }
 
 std::vector<std::pair<std::string, std::function<void(MapPair&)>>> kindsOf(const MapPair& pair) {
-  const auto both = [](Tree (*change)(const Tree&)) {
+  using Change = std::function<Tree(const Tree&)>;
+  const auto both = [](const Change& change) {
     return [=](MapPair& p) {
       p.a = change(p.a);
       p.b = change(p.b);
     };
   };
-  const auto coarsen = [](double factor) {
-    return [=](MapPair& p) {
-      p.a = coarse(p.a, factor);
-      p.b = coarse(p.b, factor);
-    };
+  const auto coarsened = [](double factor) {
+    return [=](const Tree& map) { return resampled(*map, factor * map->getResolution()); };
   };
+  const auto sparse = [](const Tree& map) { return withAThirdOfObstacles(*map); };
   std::vector<std::pair<std::string, std::function<void(MapPair&)>>> kinds = {
       {"as it is", [](MapPair&) {}},
-      {"voxels twice as wide", coarsen(2)},
-      {"voxels 4 times as wide", coarsen(4)},
+      {"voxels twice as wide", both(coarsened(2))},
+      {"voxels 4 times as wide", both(coarsened(4))},
       {"no free space", both(withoutFreeSpace)},
       {"no free space in B", [](MapPair& p) { p.b = withoutFreeSpace(p.b); }},
       {"a third of the obstacles", both(sparse)}};
@@ -94,8 +82,9 @@ void judgeKinds(const MapPair& pair, const std::vector<MapPair>& others, const E
                 std::ostream& csv) {
   constexpr unsigned kParts = 24;
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  csv << "dataset,kind,case,overlap,error_m,error_deg,scale,probability,verdict,matched_overlap,"
-         "conflict_ratio,runner_up,inlier_ratio,missed_ratio,without_free\n";
+  writeRow(csv,
+           "dataset,kind,case,overlap,error_m,error_deg,scale,probability,verdict,matched_overlap,"
+           "conflict_ratio,runner_up,inlier_ratio,missed_ratio,without_free");
   const auto judge = [&](const std::string& kind, const std::string& of, const MapPair& maps,
                          bool has_truth) {
     if (extractOccupiedVoxels(*maps.a).size() == 0 || extractOccupiedVoxels(*maps.b).size() == 0)
@@ -104,11 +93,10 @@ void judgeKinds(const MapPair& pair, const std::vector<MapPair>& others, const E
     method->prepare(maps);
     const Registration r = method->align(Eigen::Isometry3d::Identity());
     const PoseError error = errorOf(r.T_a_b, maps);
-    csv << pair.name << ',' << kind << ',' << of << ',' << (has_truth ? trueOverlap(maps) : 0)
-        << ',' << (has_truth ? error.centre : kInfinity) << ',' << error.angle * 180 / M_PI << ','
-        << r.scale << ',' << r.probability << ',' << (*r.accepted ? "accepted" : "rejected") << ','
-        << r.overlap << ',' << r.conflict_ratio << ',' << r.runner_up << ',' << r.inlier_ratio
-        << ',' << r.missed_ratio << ',' << r.without_free << std::endl;
+    writeRow(csv, pair.name, kind, of, has_truth ? trueOverlap(maps) : 0,
+             has_truth ? error.centre : kInfinity, error.angle * 180 / M_PI, r.scale, r.probability,
+             verdictText(r.accepted), r.overlap, r.conflict_ratio, r.runner_up, r.inlier_ratio,
+             r.missed_ratio, r.without_free);
   };
   MapPair image = pair;
   image.b = mirrored(*pair.b);

@@ -13,6 +13,7 @@
 
 #include "fusion_core/registration/association.h"
 #include "fusion_octree/build.h"
+#include "fusion_octree/resampling.h"
 
 namespace mrpt::fusion::benchmark {
 namespace {
@@ -174,6 +175,17 @@ std::shared_ptr<const octomap::OcTree> changed(
     const float log_odds = change(key, was);
     if (!std::isnan(log_odds)) result.setNodeValue(key, 0.F, true)->setLogOdds(log_odds);
   });
+}
+
+std::shared_ptr<const octomap::OcTree> resampled(const octomap::OcTree& map, double resolution) {
+  return transformOcTree(map, Eigen::Isometry3d::Identity(), resolution);
+}
+
+std::shared_ptr<const octomap::OcTree> withAThirdOfObstacles(const octomap::OcTree& map) {
+  const auto seen = [](const octomap::OcTreeKey& key) {
+    return octomap::OcTreeKey::KeyHash()(key) * 2654435761U % 4294967296U < 4294967296U / 3;
+  };
+  return changed(map, [&](const auto& key, float l) { return l < 0 || seen(key) ? l : NAN; });
 }
 
 double neesOf(const Eigen::Isometry3d& T_a_b, const Eigen::Matrix<double, 6, 6>& covariance,

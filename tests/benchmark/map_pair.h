@@ -26,7 +26,7 @@ std::shared_ptr<const octomap::OcTree> loadTree(const std::string& path);
 /** A 4x4 row-major matrix. \exception std::runtime_error If it is not one. */
 Eigen::Isometry3d loadPose(const std::string& path);
 
-/** Reads map_a.ot, map_b.ot and T_a_b.txt.
+/** Reads T_a_b.txt and the maps map_a and map_b: .bt if that file exists, else .ot.
  * \exception std::runtime_error What is missing or wrong, and where. */
 MapPair loadMapPair(const std::string& folder);
 
@@ -63,6 +63,12 @@ double neesOf(const Eigen::Isometry3d& T_a_b, const Eigen::Matrix<double, 6, 6>&
 std::shared_ptr<const octomap::OcTree> changed(
     const octomap::OcTree& map,
     const std::function<float(const octomap::OcTreeKey& key, float log_odds)>& change);
+
+/** A map at another resolution, m. */
+std::shared_ptr<const octomap::OcTree> resampled(const octomap::OcTree& map, double resolution);
+
+/** A map with a third of its obstacles, spread at random, and all of its free space. */
+std::shared_ptr<const octomap::OcTree> withAThirdOfObstacles(const octomap::OcTree& map);
 
 /** The part of a map, known space and all, on the side of a plane where `direction . p > offset`
  * (m; a leaf of several voxels is divided). */
