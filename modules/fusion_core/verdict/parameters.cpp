@@ -36,6 +36,8 @@ Parameters parametersOf(RankingParams& params) {
                       "Weight of an obstacle that the other map sees from the other side")),
       advanced(number("agreement_front_voxels", a.front_voxels, 0, 100,
                       "Distance of the free space before an obstacle, voxels")),
+      advanced(number("agreement_missed", a.missed, 0, 1,
+                      "Weight of an obstacle beside the obstacles of a map without free space")),
   };
 }
 
