@@ -30,15 +30,16 @@ struct Parameter {
   std::string key;                    ///< Name in files; ends in `_deg` if the file has degrees
   std::string comment;                ///< Meaning and unit, one line
   bool is_advanced = false;           ///< True if few users need it
-  /** Function that multiplies the field by a factor; empty except for lengths in m. */
+  /** Function that multiplies the field by a factor; empty if the parameter is no length(). */
   std::function<void(double factor)> multiply;
 };
 
 using Parameters = std::vector<Parameter>;  ///< Parameters of a stage, in their order in files
 
-/** Makes the parameter of a number in any unit except m and degrees. */
+/** Makes the parameter of a number that keeps its value at any scale, in any unit except degrees.
+ */
 Parameter number(const char* key, double& field, double min, double max, const char* comment);
-/** Makes the parameter of a length in m. multiplyLengths() scales it. */
+/** Makes the parameter of a length in m that multiplyLengths() multiplies. */
 Parameter length(const char* key, double& field, double min, double max, const char* comment);
 /** Makes the parameter of an angle: radians in the field, degrees in the file and in the range. */
 Parameter angle(const char* key, double& field, double min, double max, const char* comment);

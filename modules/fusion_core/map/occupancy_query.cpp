@@ -12,7 +12,7 @@ ObstacleCheck checkObstacle(const MapVoxels& map, const Eigen::Vector3d& p) {
   if (map.occupied.anyAround({key[0], key[1], key[2]}, beside)) return ObstacleCheck::Confirmed;
   if (map.has_free_space)
     return map.free.has(key) ? ObstacleCheck::Conflicting : ObstacleCheck::Unknown;
-  static const VoxelBlocks::Ball near(4);
+  static const VoxelBlocks::Ball near(4);  // voxels: surfaces around the place
   return map.occupied.anyAround({key[0], key[1], key[2]}, near) ? ObstacleCheck::Missed
                                                                 : ObstacleCheck::Unknown;
 }

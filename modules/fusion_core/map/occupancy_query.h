@@ -22,9 +22,9 @@ enum class ObstacleCheck : uint8_t {
 
 /** Compares an obstacle at a point (m, map frame) with a map. Only free space without an occupied
  * voxel around it is a conflict: the quantisation of both maps by half a voxel must not cause
- * conflicts. A map without free space (MapVoxels::has_free_space) has no conflicts. There an
- * obstacle that lies near an obstacle of the map, but not on it, is the best evidence against a
- * pose: the map covers that place, and shows something else. */
+ * conflicts. A map without free space (MapVoxels::has_free_space) shows no conflicts. In such a
+ * map, a missed obstacle is the evidence against a pose: the map covers the place and shows its
+ * obstacles beside it. */
 ObstacleCheck checkObstacle(const MapVoxels& map, const Eigen::Vector3d& p);
 
 /** True if a map has seen free space at a point, m, map frame. */

@@ -141,19 +141,20 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
       "inlier ratio " + percent(e.inlier_ratio) + " is not above its threshold " +
           percent(e.threshold));
   const double conflict = e.free_space.conflictRatio();
-  // Free space that no map has is no evidence, and must not read like good evidence.
   const std::string missed = percent(e.free_space.missedRatio()) +
-                             " of the obstacles compared there lie beside the obstacles of the map";
-  const std::string conflicting =
-      percent(conflict) + " of the obstacles lie in the other map's free space, ";
-  const std::string of_one =
-      e.without_free_space > 0 ? "; one map has no free space: " + missed : "";
-  if (e.without_free_space >= 1)
-    e.reasons.push_back("neither map has free space to show conflicts: " + missed);
-  else
+                             " of the obstacles lie beside the other map's obstacles";
+  if (e.without_free_space < 1) {
+    const std::string conflicting =
+        percent(conflict) + " of the obstacles lie in the other map's free space, ";
+    const std::string of_one =
+        e.without_free_space > 0 ? "; one map has no free space: there " + missed : "";
     judge(conflict <= params.max_free_conflict,
           conflicting + "at most " + percent(params.max_free_conflict) + " are allowed" + of_one,
           conflicting + "more than " + percent(params.max_free_conflict) + of_one);
+  } else {
+    // A conflict ratio of 0 would read like evidence for the pose.
+    e.reasons.push_back("neither map has free space to show conflicts: " + missed);
+  }
   e.runner_up = runner_up;
   const bool has_rival = runner_up > params.max_runner_up;
   const bool is_well = e.accepted;

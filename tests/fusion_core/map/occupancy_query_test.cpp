@@ -24,7 +24,7 @@ Known knownOf(const octomap::OcTree& map, const octomap::OcTreeKey& key) {
 }
 
 /** The twin of checkObstacle(): by the voxel and the 26 around it. */
-ObstacleCheck findingByOctomap(const octomap::OcTree& map, const Eigen::Vector3d& p) {
+ObstacleCheck checkByOctomap(const octomap::OcTree& map, const Eigen::Vector3d& p) {
   const octomap::OcTreeKey at = map.coordToKey(p.x(), p.y(), p.z());
   for (int dx = -1; dx <= 1; dx++)
     for (int dy = -1; dy <= 1; dy++)
@@ -46,11 +46,11 @@ TEST(OccupancyQuery, SaysWhatOctomapKnowsOfTheVoxelAndThoseAround) {
   std::map<ObstacleCheck, int> times;
   for (int i = 0; i < 20000; i++) {
     const Eigen::Vector3d p(place(random), place(random), place(random));
-    const ObstacleCheck finding = checkObstacle(voxels, p);
-    ASSERT_EQ(finding, findingByOctomap(*map, p)) << p.transpose();
+    const ObstacleCheck check = checkObstacle(voxels, p);
+    ASSERT_EQ(check, checkByOctomap(*map, p)) << p.transpose();
     ASSERT_EQ(isFree(voxels, p), knownOf(*map, map->coordToKey(p.x(), p.y(), p.z())) == Known::Free)
         << p.transpose();
-    times[finding]++;
+    times[check]++;
   }
   for (const ObstacleCheck f :
        {ObstacleCheck::Unknown, ObstacleCheck::Confirmed, ObstacleCheck::Conflicting})

@@ -213,8 +213,8 @@ TEST_F(Aligning, AGivenPoseIsJudgedAsItIs) {
 
 // ---------------------------------------------------------------- maps of other kinds
 
-/** The same voxels in a map whose voxels are \a factor times as wide. Leaves of more than one voxel
- * keep their size in voxels. \a keeps_free tells whether free space is copied. */
+/** Returns a map with the same voxels, each \a factor times as wide; without free space if not
+ * \a keeps_free. */
 octomap::OcTree rescaled(const octomap::OcTree& map, double factor, bool keeps_free = true) {
   octomap::OcTree result(factor * map.getResolution());
   octomap::OcTree whole(map);

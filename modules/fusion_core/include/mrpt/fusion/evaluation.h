@@ -90,7 +90,8 @@ struct EvaluationParams {
 };
 
 /** Occupied voxels of one map, compared with the other map at the same places. A map without free
- * space cannot show a conflict. Its part of the evidence is counted apart. */
+ * space cannot show a conflict: what it confirms is counted a second time, in
+ * agreeing_without_free. */
 struct FreeSpaceCheck {
   size_t agreeing = 0;     ///< Number of voxels with an obstacle there or in a neighbouring voxel
   size_t conflicting = 0;  ///< Number of voxels in seen free space without an obstacle around
@@ -98,7 +99,7 @@ struct FreeSpaceCheck {
   /** Number of voxels beside the obstacles of a map without free space: 2 to 4 voxels away. */
   size_t missed = 0;
 
-  /** Returns the sums of both checks. */
+  /** Returns the sum of each number. */
   FreeSpaceCheck operator+(const FreeSpaceCheck& other) const {
     FreeSpaceCheck sum = *this;
     sum.agreeing += other.agreeing;
