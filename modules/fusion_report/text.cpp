@@ -68,8 +68,11 @@ void printMatch(const Alignment& info, std::ostream& out) {
        e.sampled);
   line(out, "inlier ratio     %.1f %%  (threshold %.1f %%)", 100 * e.inlier_ratio,
        100 * e.threshold);
-  line(out, "conflict ratio   %.1f %%  (obstacles in seen free space of the other map)",
-       100 * e.free_space.conflictRatio());
+  if (e.free_space.knowsConflicts())
+    line(out, "conflict ratio   %.1f %%  (obstacles in seen free space of the other map)",
+         100 * e.free_space.conflictRatio());
+  else
+    line(out, "conflict ratio   unknown  (no obstacle lies where the other map has free space)");
   line(out, "verdict          %s", verdictOf(e));
   for (const auto& reason : e.reasons) out << "                 - " << reason << "\n";
   if (e.is_ambiguous)

@@ -14,6 +14,7 @@
 #include "fusion_core/pair/match.h"
 #include "fusion_core/pair/scaled_options.h"
 #include "fusion_core/pair/verify.h"
+#include "fusion_core/pair/wider_search.h"
 
 namespace mrpt::fusion {
 namespace {
@@ -88,7 +89,7 @@ Alignment align(const PreparedMap& map_a, const PreparedMap& map_b, const Prior&
   result.match = matchMaps(a, b, guess, within_prior, on_iteration);
   result.seconds_matching = secondsSince(clock);
 
-  result.evaluation = verify(a, b, within_prior, result.match);
+  result.evaluation = judgeAndSearchWider(a, b, prior, within_prior, result.match);
   if (by_edges) {
     result.evaluation.accepted = result.evaluation.is_ambiguous = false;
     result.evaluation.reasons.emplace_back(

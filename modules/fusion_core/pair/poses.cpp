@@ -73,8 +73,10 @@ double planeSigma(const mrpt::poses::CPose3DPDFGaussian& guess) {
 
 bool Prior::isNone() const { return kSearchSigmas * planeSigma(guess_) >= kUnknownPoseSigma; }
 
+bool Prior::statesCovariance() const { return !guess_.cov.asEigen().isZero(0); }
+
 SearchParams Prior::searchWithin(const SearchParams& configured) const {
-  if (configured.translation <= 0 || guess_.cov.asEigen().isZero(0)) return configured;
+  if (configured.translation <= 0 || !statesCovariance()) return configured;
   if (isNone()) return everywhere(configured);
   SearchParams search = configured;
   search.translation = std::max(kSearchSigmas * planeSigma(guess_), configured.cell);

@@ -19,9 +19,12 @@ Evaluation verify(const MapFeatures& a, const MapFeatures& b, const Options& opt
   Options unbounded = options;
   unbounded.search = everywhere(options.search);
   const MatchResult elsewhere = matchMaps(a, b, result.T_a_b, unbounded);
-  if (compareWithPoseElsewhere(a, b, elsewhere.T_a_b, options.evaluation.max_runner_up,
-                               comparisonOf(options), result))
+  if (const auto better =
+          betterPoseElsewhere(a, b, result.T_a_b, elsewhere.T_a_b, options.evaluation.max_runner_up,
+                              comparisonOf(options))) {
+    insertBetter(*better, result);
     evaluation = judge(a, b, result, options.evaluation);
+  }
   return evaluation;
 }
 

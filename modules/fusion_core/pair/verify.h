@@ -8,13 +8,13 @@
 #include "fusion_core/features/features.h"
 
 /** \file
- * The check of an accepted match with a low probability. */
+ * The check of a given pose. */
 
 namespace mrpt::fusion {
 
-/** Returns the verdict on a match, after a search for a better pose if the verdict needs it.
+/** Returns the verdict on a given pose, after a search for a better pose if the verdict needs it.
  *
- * A search around a guess has bounds, and a guess may be wrong. If judge() accepts the match with a
+ * A given pose may be wrong. If judge() accepts it with a
  * probability below EvaluationParams::sure_probability, the match is compared with the best pose of
  * a search without bounds, see everywhere() (not in the paper). If the agreement of the match is
  * less than EvaluationParams::max_runner_up times the agreement of that pose, that pose becomes
@@ -22,7 +22,7 @@ namespace mrpt::fusion {
  * guess.
  * \param[in] a,b Features of the maps A and B.
  * \param[in] options As for matchMaps(); options.search is the search that found the match.
- * \param[in,out] result Result of matchMaps() or matchAt(). */
+ * \param[in,out] result Result of matchAt(). */
 Evaluation verify(const MapFeatures& a, const MapFeatures& b, const Options& options,
                   MatchResult& result);
 

@@ -3,10 +3,14 @@
  * Computes the evidence for and against a match, and the verdict. */
 #include "fusion_core/verdict/evaluation.h"
 
+#include <mrpt/core/bits_math.h>
+#include <mrpt/fusion/poses.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 #include "fusion_base/parallel.h"
 #include "fusion_core/map/occupancy_query.h"
@@ -25,6 +29,17 @@ std::string textOf(const PoseDeviation& d) {
   else
     std::snprintf(text, sizeof(text), "standard deviations %.2g m, %.2g deg", d.translation,
                   d.rotation * 180 / M_PI);
+  return text;
+}
+
+/** Returns a pose as MRPT writes it, with a space before it; nothing for no pose. */
+std::string textOf(const std::optional<Eigen::Isometry3d>& T) {
+  if (!T) return "";
+  const mrpt::poses::CPose3D pose = toPose(*T);
+  char text[160];
+  std::snprintf(text, sizeof(text), " [%.2f %.2f %.2f %.1f %.1f %.1f]", pose.x(), pose.y(),
+                pose.z(), mrpt::RAD2DEG(pose.yaw()), mrpt::RAD2DEG(pose.pitch()),
+                mrpt::RAD2DEG(pose.roll()));
   return text;
 }
 
@@ -49,6 +64,11 @@ size_t countInVoxelsOf(double size, const OccupiedVoxels& voxels) {
 double coarseningTo(double size, const OccupiedVoxels& voxels) {
   if (size <= voxels.resolution || voxels.size() == 0) return 1;
   return static_cast<double>(countInVoxelsOf(size, voxels)) / static_cast<double>(voxels.size());
+}
+
+Rival rivalOf(const MatchResult& match) {
+  if (match.runnerUp() <= 0) return {};
+  return {match.runnerUp(), match.hypotheses[1].T_a_b};
 }
 
 }  // namespace
@@ -94,7 +114,7 @@ FreeSpaceCheck checkFreeSpace(const MapVoxels& a, const OccupiedVoxels& b,
 
 Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pairs,
                          const Eigen::Isometry3d& T_a_b, const EvaluationParams& params,
-                         double runner_up, const PoseDeviation& deviation) {
+                         const Rival& rival, const PoseDeviation& deviation) {
   Evaluation e;
   const size_t stride_a = strideFor(a.voxels.size(), params.voxels),
                stride_b = strideFor(b.voxels.size(), params.voxels);
@@ -143,7 +163,9 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
   const double conflict = e.free_space.conflictRatio();
   const std::string missed = percent(e.free_space.missedRatio()) +
                              " of the obstacles lie beside the other map's obstacles";
-  if (e.without_free_space < 1) {
+  if (e.without_free_space < 1 && !e.free_space.knowsConflicts()) {
+    e.reasons.push_back("no obstacle lies where the other map has free space");
+  } else if (e.without_free_space < 1) {
     const std::string conflicting =
         percent(conflict) + " of the obstacles lie in the other map's free space, ";
     const std::string of_one =
@@ -155,22 +177,25 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
     // A conflict ratio of 0 would read like evidence for the pose.
     e.reasons.push_back("neither map has free space to show conflicts: " + missed);
   }
-  e.runner_up = runner_up;
-  const bool has_rival = runner_up > params.max_runner_up;
+  e.runner_up = rival.ratio;
+  const bool has_rival = rival.ratio > params.max_runner_up;
   const bool is_well = e.accepted;
-  if (runner_up > 0) {
-    const std::string agrees =
-        std::string(runner_up > 1 ? "another pose" : "the second best pose") + " agrees " +
-        percent(runner_up) + " as well, ";
+  if (rival.ratio > 1) {
+    judge(!has_rival, "another pose" + textOf(rival.T_a_b) + " agrees slightly better",
+          "another pose" + textOf(rival.T_a_b) + " agrees better: this pose agrees only " +
+              percent(1 / rival.ratio) + " as well");
+  } else if (rival.ratio > 0) {
+    const std::string agrees = "the second best pose" + textOf(rival.T_a_b) + " agrees " +
+                               percent(rival.ratio) + " as well, ";
     judge(!has_rival, agrees + "at most " + percent(params.max_runner_up) + " is allowed",
           agrees + "more than " + percent(params.max_runner_up));
   }
   e.deviation = deviation;
   const double stays = probabilityOfStaying(deviation, params.tolerance);
-  const auto probabilityWith = [&](double rival) {
-    return stays * params.model.probability(e.overlap, conflict, rival, e.inlier_ratio);
+  const auto probabilityWith = [&](double runner_up) {
+    return stays * params.model.probability(e.overlap, conflict, runner_up, e.inlier_ratio);
   };
-  e.probability = probabilityWith(runner_up);
+  e.probability = probabilityWith(rival.ratio);
   e.is_ambiguous = is_well && has_rival && probabilityWith(0) >= params.min_probability;
   if (stays < params.held_probability)
     e.reasons.push_back("the shared surfaces do not fix the pose of map B: " + textOf(deviation));
@@ -186,7 +211,7 @@ Evaluation judge(const MapFeatures& a, const MapFeatures& b, const MatchResult& 
                  const EvaluationParams& params) {
   if (isEmpty(a, b)) return evaluateMatch(a, b, {}, match.T_a_b, params);
   return evaluateMatch(
-      a, b, match.pairs, match.T_a_b, params, match.runnerUp(),
+      a, b, match.pairs, match.T_a_b, params, rivalOf(match),
       deviationAt(match.covariance, match.T_a_b * meanOf(b.matched.voxels.centre)));
 }
 

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <optional>
 
 #include "fusion_core/features/features.h"
 #include "fusion_core/map/map_voxels.h"
@@ -31,6 +32,12 @@ double probabilityOfStaying(const PoseDeviation& deviation, const PoseTolerance&
 FreeSpaceCheck checkFreeSpace(const MapVoxels& a, const OccupiedVoxels& b,
                               const Eigen::Isometry3d& T_a_b, size_t stride = 1);
 
+/** The best other pose of a match. */
+struct Rival {
+  double ratio = 0;  ///< Agreement over the agreement of the match, see MatchResult::runnerUp()
+  std::optional<Eigen::Isometry3d> T_a_b;  ///< The pose, if it is known; the reasons name it
+};
+
 /** Computes the verdict from eqs. (23)-(25) on the pairs of a match, and from evidence that these
  * equations ignore. A wrong pose can lay floors on floors, but it puts walls into the other map's
  * free space.
@@ -38,12 +45,12 @@ FreeSpaceCheck checkFreeSpace(const MapVoxels& a, const OccupiedVoxels& b,
  * \param[in] pairs Pairs at T_a_b of params.voxels voxels of B, gated as in registration.
  * \param[in] T_a_b Pose of map B in A's frame.
  * \param[in] params Conditions of an accepted match.
- * \param[in] runner_up See MatchResult::runnerUp().
+ * \param[in] rival The best other pose.
  * \param[in] deviation Standard deviations of the pose. They are large if the match can slide, for
  * example along a corridor without features. */
 Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pairs,
                          const Eigen::Isometry3d& T_a_b, const EvaluationParams& params,
-                         double runner_up = 0, const PoseDeviation& deviation = {});
+                         const Rival& rival = {}, const PoseDeviation& deviation = {});
 
 /** Computes the verdict on a match by evaluateMatch(), from the pairs, rivals and covariance of the
  * match. It neither searches nor changes the match. */

@@ -6,6 +6,7 @@
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "fusion_base/parallel.h"
@@ -13,11 +14,6 @@
 
 namespace mrpt::fusion {
 namespace {
-
-bool isSamePlace(const Eigen::Isometry3d& T, const Eigen::Isometry3d& U,
-                 const Eigen::Vector3d& middle, const PoseTolerance& tolerance) {
-  return distanceBetween(T, U, middle, tolerance) <= 1;
-}
 
 bool agreesBetter(const RankedPose& g, const RankedPose& h) { return g.agreement > h.agreement; }
 
@@ -29,7 +25,7 @@ std::vector<RankedPose> distinct(std::vector<RankedPose> all, const Eigen::Vecto
   std::vector<RankedPose> best;
   for (const RankedPose& h : all) {
     const bool is_new = std::none_of(best.begin(), best.end(), [&](const RankedPose& g) {
-      return isSamePlace(g.T_a_b, h.T_a_b, middle, tolerance);
+      return distanceBetween(g.T_a_b, h.T_a_b, middle, tolerance) <= 1;
     });
     if (is_new) best.push_back(h);
   }
@@ -138,7 +134,7 @@ void compareWhatWasReached(const MapFeatures& a, const MapFeatures& b,
     return;
   std::vector<RankedPose> compared{{result.T_a_b, 0, result.covariance}};
   for (const RankedPose& h : result.hypotheses)
-    if (!isSamePlace(h.T_a_b, result.T_a_b, middle, params.tolerance)) compared.push_back(h);
+    if (!isSamePlace(b, h.T_a_b, result.T_a_b, params.tolerance)) compared.push_back(h);
   const PoseComparison comparison(a, b, association, params, params.ranking.rival_voxels);
   forEachIndex(compared.size(), 1, [&](size_t i) {
     compared[i].agreement = comparison.agreementAt(compared[i].T_a_b);
@@ -147,21 +143,46 @@ void compareWhatWasReached(const MapFeatures& a, const MapFeatures& b,
   result.hypotheses = std::move(compared);
 }
 
-bool compareWithPoseElsewhere(const MapFeatures& a, const MapFeatures& b,
-                              const Eigen::Isometry3d& elsewhere, double as_good,
-                              const ComparisonParams& params, MatchResult& result) {
+bool isSamePlace(const MapFeatures& b, const Eigen::Isometry3d& T, const Eigen::Isometry3d& U,
+                 const PoseTolerance& tolerance) {
+  return distanceBetween(T, U, meanOf(b.matched.voxels.centre), tolerance) <= 1;
+}
+
+void addRival(const MapFeatures& b, RankedPose rival, double ratio, const PoseTolerance& tolerance,
+              MatchResult& result) {
+  auto& hypotheses = result.hypotheses;
+  rival.agreement = ratio * hypotheses.front().agreement;
+  const auto holds = [&](const RankedPose& h) {
+    return isSamePlace(b, h.T_a_b, rival.T_a_b, tolerance);
+  };
+  const auto same = std::find_if(hypotheses.begin() + 1, hypotheses.end(), holds);
+  if (same != hypotheses.end()) {
+    if (same->agreement >= rival.agreement) return;
+    hypotheses.erase(same);
+  }
+  hypotheses.insert(std::upper_bound(hypotheses.begin() + 1, hypotheses.end(), rival, agreesBetter),
+                    rival);
+}
+
+std::optional<BetterPose> betterPoseElsewhere(const MapFeatures& a, const MapFeatures& b,
+                                              const Eigen::Isometry3d& T_a_b,
+                                              const Eigen::Isometry3d& elsewhere, double as_good,
+                                              const ComparisonParams& params) {
   const VoxelAssociation association = associationOf(a, b, params.registration);
   const auto ranked = PoseComparison(a, b, association, params, params.ranking.rival_voxels)
-                          .ranked({result.T_a_b, elsewhere});
+                          .ranked({T_a_b, elsewhere});
   if (ranked.size() < 2 || ranked[1].agreement > as_good * ranked[0].agreement ||
-      isSamePlace(ranked[0].T_a_b, result.T_a_b, meanOf(b.matched.voxels.centre), params.tolerance))
-    return false;
+      isSamePlace(b, ranked[0].T_a_b, T_a_b, params.tolerance))
+    return {};
+  return BetterPose{ranked[0], ranked[1].agreement};
+}
+
+void insertBetter(const BetterPose& better, MatchResult& result) {
   if (result.hypotheses.empty())
-    result.hypotheses.push_back({result.T_a_b, ranked[1].agreement, result.covariance});
-  RankedPose better = ranked[0];
-  better.agreement *= result.hypotheses.front().agreement / ranked[1].agreement;
-  result.hypotheses.insert(result.hypotheses.begin() + 1, better);
-  return true;
+    result.hypotheses.push_back({result.T_a_b, better.of_match, result.covariance});
+  RankedPose rival = better.pose;
+  if (better.of_match > 0) rival.agreement *= result.hypotheses.front().agreement / better.of_match;
+  result.hypotheses.insert(result.hypotheses.begin() + 1, rival);
 }
 
 }  // namespace mrpt::fusion

@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "fusion_core/features/features.h"
@@ -89,11 +90,33 @@ void compareWhatWasReached(const MapFeatures& a, const MapFeatures& b,
                            const VoxelAssociation& association, const ComparisonParams& params,
                            MatchResult& result);
 
-/** Compares a match with a pose from another search. If the agreement of the match is less than
- * \a as_good times the agreement of that pose, inserts that pose as result.hypotheses[1] and
- * returns true. */
-bool compareWithPoseElsewhere(const MapFeatures& a, const MapFeatures& b,
-                              const Eigen::Isometry3d& elsewhere, double as_good,
-                              const ComparisonParams& params, MatchResult& result);
+/** True if two poses of B differ by at most the tolerance, see distanceBetween(). */
+bool isSamePlace(const MapFeatures& b, const Eigen::Isometry3d& T, const Eigen::Isometry3d& U,
+                 const PoseTolerance& tolerance);
+
+/** Adds a rival to the hypotheses of a match, unless they hold its place with a larger agreement.
+ * \param[in] b Features of map B.
+ * \param[in] rival The rival; its agreement is not used.
+ * \param[in] ratio Agreement of the rival over the agreement of the match.
+ * \param[in] tolerance Largest distance of poses at the same place.
+ * \param[in,out] result The match; it has hypotheses. */
+void addRival(const MapFeatures& b, RankedPose rival, double ratio, const PoseTolerance& tolerance,
+              MatchResult& result);
+
+/** A pose that agrees clearly better than a match. */
+struct BetterPose {
+  RankedPose pose;  ///< The pose after refinement
+  double of_match;  ///< Agreement of the match, by the same voxels
+};
+
+/** Compares a match with a pose from another search. Returns that pose if the agreement of the
+ * match is at most \a as_good times the agreement of that pose, and both are different places. */
+std::optional<BetterPose> betterPoseElsewhere(const MapFeatures& a, const MapFeatures& b,
+                                              const Eigen::Isometry3d& T_a_b,
+                                              const Eigen::Isometry3d& elsewhere, double as_good,
+                                              const ComparisonParams& params);
+
+/** Inserts a better pose as result.hypotheses[1]. */
+void insertBetter(const BetterPose& better, MatchResult& result);
 
 }  // namespace mrpt::fusion

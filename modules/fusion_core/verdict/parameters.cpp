@@ -54,7 +54,8 @@ Parameters parametersOf(EvaluationParams& params) {
       number("min_probability", params.min_probability, 0, 1,
              "Least probability of being right; 0: not tested"),
       number("sure_probability", params.sure_probability, 0, 1,
-             "A match from a guess that is accepted with less is compared with all other poses; 0: "
+             "Near a guess, a match that is rejected or has less than this is searched for "
+             "farther; 0: "
              "never"),
       number("max_runner_up", params.max_runner_up, 0, 1,
              "Largest agreement of the second best pose over that of the best; 1: not tested"),

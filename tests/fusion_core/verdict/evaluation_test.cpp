@@ -193,7 +193,7 @@ TEST(EvaluateMatch, ASecondPoseNearlyAsGoodMakesItAmbiguous) {
   c.params.max_runner_up = 0.5;
   const auto judged = [&](double runner_up) {
     const Pairs good = {{0, 0, 0}, {1, 1, 0}, {2, 2, 0}, {3, 3, 0}, {4, 4, 0}};
-    return evaluateMatch(c.a, c.b, good, c.T_a_b, c.params, runner_up);
+    return evaluateMatch(c.a, c.b, good, c.T_a_b, c.params, {runner_up, {}});
   };
   EXPECT_TRUE(judged(0.5).accepted);
   EXPECT_FALSE(judged(0.5).is_ambiguous);
@@ -203,6 +203,13 @@ TEST(EvaluateMatch, ASecondPoseNearlyAsGoodMakesItAmbiguous) {
   EXPECT_EQ(judged(0.51).reasons.size(), judged(0).reasons.size() + 1);
   EXPECT_NE(reasonsOf(judged(0.51)).find("agrees 51.0 % as well, more than 50.0 %"),
             std::string::npos);
+  const auto named = [&](double ratio) {
+    const Rival rival{ratio, poseOf(1, 2, 3, 40)};
+    return reasonsOf(evaluateMatch(c.a, c.b, {{0, 0, 0}}, c.T_a_b, c.params, rival));
+  };
+  EXPECT_NE(named(0.51).find("the second best pose [1.00 2.00 3.00 40.0 "), std::string::npos);
+  EXPECT_NE(named(2).find("another pose [1.00 2.00 3.00 40.0 "), std::string::npos);
+  EXPECT_NE(named(2).find("this pose agrees only 50.0 % as well"), std::string::npos);
   // No more if it would be rejected without that pose.
   const double alone = judged(0).probability;
   c.params.min_probability = alone;

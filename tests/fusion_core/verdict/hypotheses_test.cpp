@@ -214,7 +214,9 @@ TEST_F(Hypotheses, AMuchBetterPoseElsewhereBecomesTheSecond) {
     result.T_a_b = wrong;
     if (has_hypotheses)
       result.hypotheses = {ranked(wrong, 20), ranked(truth * poseOf(-6, 0, 0, 0), 10)};
-    EXPECT_TRUE(compareWithPoseElsewhere(a(), b(), truth, 0.75, params, result));
+    const auto better = betterPoseElsewhere(a(), b(), wrong, truth, 0.75, params);
+    ASSERT_TRUE(better);
+    insertBetter(*better, result);
     ASSERT_EQ(result.hypotheses.size(), has_hypotheses ? 3U : 2U);
     EXPECT_EQ(result.T_a_b.matrix(), wrong.matrix()) << "the match itself stays";
     EXPECT_EQ(result.hypotheses[0].T_a_b.matrix(), wrong.matrix());
@@ -226,15 +228,26 @@ TEST_F(Hypotheses, AMuchBetterPoseElsewhereBecomesTheSecond) {
   }
 }
 
-TEST_F(Hypotheses, APoseElsewhereThatIsNoBetterChangesNothing) {
-  for (const Eigen::Isometry3d& elsewhere : {wrong, truth, truth * poseOf(0.1, 0, 0, 1)}) {
-    MatchResult result;
-    result.T_a_b = truth;
-    result.hypotheses = {ranked(truth, 20)};
-    EXPECT_FALSE(compareWithPoseElsewhere(a(), b(), elsewhere, 0.75, params, result));
-    ASSERT_EQ(result.hypotheses.size(), 1U);
-    EXPECT_EQ(result.hypotheses[0].agreement, 20);
-  }
+TEST_F(Hypotheses, APoseElsewhereMustBeClearlyBetterAndAnotherPlace) {
+  for (const Eigen::Isometry3d& elsewhere : {wrong, truth, truth * poseOf(0.1, 0, 0, 1)})
+    EXPECT_FALSE(betterPoseElsewhere(a(), b(), truth, elsewhere, 0.75, params));
+}
+
+TEST_F(Hypotheses, ARivalTakesItsPlaceByAgreement) {
+  const Eigen::Isometry3d other = truth * poseOf(-6, 0, 0, 0);
+  MatchResult result;
+  result.hypotheses = {ranked(truth, 20), ranked(other, 10)};
+  addRival(b(), ranked(wrong, 0), 0.7, params.tolerance, result);
+  ASSERT_EQ(result.hypotheses.size(), 3U);
+  EXPECT_EQ(result.hypotheses[1].T_a_b.matrix(), wrong.matrix());
+  EXPECT_DOUBLE_EQ(result.runnerUp(), 0.7);
+  // A place is held once, with its larger agreement.
+  addRival(b(), ranked(other, 0), 0.2, params.tolerance, result);
+  ASSERT_EQ(result.hypotheses.size(), 3U);
+  EXPECT_EQ(result.hypotheses[2].agreement, 10);
+  addRival(b(), ranked(other, 0), 0.9, params.tolerance, result);
+  ASSERT_EQ(result.hypotheses.size(), 3U);
+  EXPECT_EQ(result.hypotheses[1].T_a_b.matrix(), other.matrix());
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ struct MRPT_FUSION_API Alignment {
 };
 
 /** Estimates the pose of B in A by two-level probabilistic map matching, and judges the result:
- * matchMaps(), then verify().
+ * matchMaps(), then judgeAndSearchWider().
  *
  * If a map has only edges, the edges of both maps are compared, and free space where it is known.
  * The result shows where the maps meet. It is never accepted.

@@ -77,8 +77,8 @@ struct EvaluationParams {
   /** Largest agreement of another pose over the agreement of the match. */
   double max_runner_up = 0.75;
   double min_probability = 0.85;  ///< Least probability that the pose is right
-  /** Least probability of an accepted match from a guess that is not compared with all other
-   * poses, see verify(). 0: no match is compared. */
+  /** Least probability of an accepted match from a guess that needs no wider search, see
+   * align(). 0: no match is searched for farther. */
   double sure_probability = 0.985;
   double threshold_without_overlap = 0.9;  ///< Inlier threshold at overlap 0, before its limits
   double threshold_per_overlap = 0.5;      ///< Decrease of the inlier threshold per overlap
@@ -108,6 +108,9 @@ struct FreeSpaceCheck {
     sum.missed += other.missed;
     return sum;
   }
+  /** True if an obstacle lies where the other map has free space around and could show a conflict.
+   * Without such obstacles the conflict ratio is no evidence. */
+  bool knowsConflicts() const { return conflicting + agreeing > agreeing_without_free; }
   /** Conflict ratio, [0,1]; 0 if nothing is known. */
   double conflictRatio() const { return ratio(conflicting, agreeing - agreeing_without_free); }
   /** Ratio of missed voxels in maps without free space, [0,1]; 0 if both maps have free space. */

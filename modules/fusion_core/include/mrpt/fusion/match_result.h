@@ -71,7 +71,7 @@ struct MatchResult {
   std::vector<IterationRecord> iterations;  ///< Records of both levels, in their order
   /** Distinct poses that were compared, best agreement first. Empty without a search. The first
    * hypothesis is T_a_b before the registration with all voxels. Two kinds of poses are second for
-   * any agreement: a pose that verify() found elsewhere, and the best pose by few voxels if the
+   * any agreement: a pose that a wider search found, and the best pose by few voxels if the
    * registration with all voxels moved far from it. */
   std::vector<RankedPose> hypotheses;
   /** Agreement of the second hypothesis over the agreement of the first; 0 without a second

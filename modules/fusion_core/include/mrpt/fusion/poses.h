@@ -50,6 +50,8 @@ class MRPT_FUSION_API Prior {
   const mrpt::poses::CPose3D& guess() const { return guess_.mean; }
   /** True if the pose is unknown. */
   bool isNone() const;
+  /** True if the prior states how good the guess is: a covariance that is not zero. */
+  bool statesCovariance() const;
   /** Returns the prior as MRPT's Gaussian: noGuess() for none(), covariance 0 for near(). */
   const mrpt::poses::CPose3DPDFGaussian& pdf() const { return guess_; }
   /** Returns the search parameters for this prior.
