@@ -2,23 +2,38 @@
 #pragma once
 
 #include <exception>
+#include <new>
 #include <stdexcept>
 #include <string>
+
+#include "fusion_base/printable.h"
 
 /** \file
  * Error messages of one line. */
 
 namespace mrpt::fusion {
 
-/** Returns the message of an exception, on one line. Exceptions of MRPT add a location and a call
- * stack to the message, and nest the messages of all functions that rethrow. */
+/** Returns the message of an exception, on one line and printable(). Exceptions of MRPT add a
+ * location and a call stack to the message, and nest the messages of all functions that rethrow.
+ * The innermost message that is not empty is the reason. */
 inline std::string messageOf(const std::exception& e) {
-  const std::string text = e.what();
+  constexpr size_t kMostCharacters = 1000;
   constexpr const char* kLabel = "Message:";
-  size_t begin = text.rfind(kLabel);  // the innermost exception
-  begin = begin == std::string::npos ? 0 : text.find_first_not_of(' ', begin + 8);
-  if (begin == std::string::npos) return "unknown error";
-  return text.substr(begin, text.find('\n', begin) - begin);
+  constexpr size_t kLabelSize = 8;
+  if (dynamic_cast<const std::bad_alloc*>(&e)) return "out of memory";
+  const std::string text = e.what();
+  const auto lineAt = [&](size_t begin) {
+    begin = text.find_first_not_of(' ', begin);
+    if (begin == std::string::npos) return std::string();
+    return printable(text.substr(begin, text.find('\n', begin) - begin), kMostCharacters);
+  };
+  for (size_t label = text.rfind(kLabel); label != std::string::npos;
+       label = label == 0 ? std::string::npos : text.rfind(kLabel, label - 1)) {
+    const std::string line = lineAt(label + kLabelSize);
+    if (!line.empty()) return line;
+  }
+  const std::string line = text.find(kLabel) == std::string::npos ? lineAt(0) : std::string();
+  return line.empty() ? "unknown error" : line;
 }
 
 /** Calls f, and converts its exceptions to std::runtime_error "<path>: <message on one line>". */

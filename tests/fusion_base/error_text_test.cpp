@@ -7,6 +7,7 @@
 #include <mrpt/core/exceptions.h>
 
 #include <memory>
+#include <new>
 #include <stdexcept>
 #include <string>
 
@@ -28,7 +29,19 @@ std::string errorOf(F&& f) {
 TEST(MessageOf, IsTheFirstLineOfAPlainException) {
   EXPECT_EQ(messageOfText("no such file"), "no such file");
   EXPECT_EQ(messageOfText("no such file\nand more"), "no such file");
-  EXPECT_EQ(messageOfText(""), "");
+}
+
+TEST(MessageOf, IsNeverEmpty) {
+  for (const char* text : {"", "\n", "   ", "Message:   ", "Message:\nMessage:\nLocation: x"})
+    EXPECT_EQ(messageOfText(text), "unknown error") << text;
+  EXPECT_EQ(messageOfText("Message: the reason\nMessage:\n"), "the reason");
+  EXPECT_EQ(messageOf(std::bad_alloc()), "out of memory");
+}
+
+TEST(MessageOf, HoldsNoControlCharacters) {
+  EXPECT_EQ(messageOfText("class '\x1b[2J\x9b\x7f\xc2\x85' in m\u00fcnchen.ot"),
+            "class '\\x1b[2J\\x9b\\x7f\\xc2\\x85' in m\u00fcnchen.ot");
+  EXPECT_LT(messageOfText(std::string(100'000, 'x')).size(), 2000U);
 }
 
 TEST(MessageOf, IsWhatWasThrownFirstOfMrptsExceptions) {
@@ -51,10 +64,6 @@ TEST(MessageOf, IsWhatWasThrownFirstOfMrptsExceptions) {
 TEST(MessageOf, IsThatOfTheLastLabel) {
   EXPECT_EQ(messageOfText("Message:  caught on the way\nMessage:  thrown first\nLocation: x"),
             "thrown first");
-}
-
-TEST(MessageOf, OfNothingBehindTheLabelIsUnknown) {
-  EXPECT_EQ(messageOfText("Message:   "), "unknown error");
 }
 
 TEST(WithPath, ReturnsWhatTheCallReturns) {
