@@ -3,9 +3,9 @@
  * Reads and writes `.ot` and `.bt` files. */
 #include "fusion_octree/files.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
-#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <iterator>
@@ -14,96 +14,67 @@
 
 #include "fusion_base/byte_reader.h"
 #include "fusion_base/files.h"
-#include "fusion_octree/build.h"
+#include "fusion_base/gzip.h"
+#include "fusion_base/printable.h"
+#include "fusion_octree/file_header.h"
+#include "fusion_octree/node_reader.h"
+#include "fusion_octree/resolution.h"
 
 namespace mrpt::fusion {
 namespace {
 
-constexpr std::string_view kOtMagic = "# Octomap OcTree file";
-constexpr std::string_view kBtMagic = "# Octomap OcTree binary file";
-
-bool startsWith(std::string_view s, std::string_view prefix) {
-  return s.substr(0, prefix.size()) == prefix;
-}
-
-void checkDepth(unsigned depth) {
-  if (depth > OcTreeCube::kMaxDepth) corrupt("the map's data is corrupt: nodes deeper than 16");
-}
-
-/** Reads a node of a `.ot` body and all nodes below it. \return Number of nodes read. */
-size_t readNode(ByteReader& in, octomap::OcTree& tree, octomap::OcTreeNode* node, unsigned depth,
-                size_t extra_bytes) {
-  checkDepth(depth);
-  const auto log_odds = in.take<float>();
-  if (!std::isfinite(log_odds)) corrupt("the map's data is corrupt: log-odds that are not finite");
-  node->setLogOdds(log_odds);
-  in.takeBytes(extra_bytes);
-  const auto children = in.take<uint8_t>();
-  size_t count = 1;
-  for (unsigned i = 0; i < 8; i++)
-    if ((children >> i) & 1U)
-      count += readNode(in, tree, tree.createNodeChild(node, i), depth + 1, extra_bytes);
-  return count;
-}
-
-/** Reads the children of a node of a `.bt` body. Each has 2 bits: 0 unknown, 1 free, 2 occupied, 3
- * has children. \return Number of nodes read, including this node. */
-size_t readBinaryNode(ByteReader& in, octomap::OcTree& tree, octomap::OcTreeNode* node,
-                      unsigned depth) {
-  const auto children = in.take<uint16_t>();
-  if (children) checkDepth(depth + 1);
-  size_t count = 1;
-  for (unsigned i = 0; i < 8; i++) {
-    const unsigned kind = (children >> (2 * i)) & 3U;
-    if (!kind) continue;
-    auto* child = tree.createNodeChild(node, i);
-    if (kind != 3) {
-      child->setLogOdds(kind == 2 ? tree.getClampingThresMaxLog() : tree.getClampingThresMinLog());
-      count++;
-    }
-  }
-  // OctoMap's order: first all 8 kinds, then the subtrees.
-  for (unsigned i = 0; i < 8; i++)
-    if (((children >> (2 * i)) & 3U) == 3)
-      count += readBinaryNode(in, tree, tree.getNodeChild(node, i), depth + 1);
-  if (children)
-    node->updateOccupancyChildren();
-  else
-    corrupt("the map's data is corrupt: an inner node without children");
-  return count;
-}
-
-struct Header {
-  std::string id;
-  size_t size = 0;
-  double resolution = 0;
-  std::string_view data;
+/** Limits of what a file may ask for. A plain file of OctoMap stays below them: a `.bt` file needs
+ * at most 96 times its size in memory. */
+struct Budget {
+  size_t bytes;   ///< Largest number of unpacked bytes
+  size_t memory;  ///< Largest memory of the nodes, bytes
 };
 
-Header parseHeader(std::string_view bytes) {
-  Header h;
-  bool has_size = false;
-  while (true) {
-    const size_t eol = bytes.find('\n');
-    if (eol == std::string_view::npos) corrupt("the header ends before its 'data' line");
-    std::istringstream line(std::string(bytes.substr(0, std::min(eol, size_t{256}))));
-    bytes.remove_prefix(eol + 1);
-    std::string word;
-    line >> word;
-    if (word == "data") break;
-    if (word == "id")
-      line >> h.id;
-    else if (word == "size")
-      has_size = static_cast<bool>(line >> h.size);
-    else if (word == "res" && !(line >> h.resolution))
-      h.resolution = 0;
+Budget budgetFor(size_t file_bytes) {
+  constexpr size_t kLeastBytes = size_t{128} << 20U, kBytesPerByte = 64;
+  constexpr size_t kLeastMemory = size_t{512} << 20U, kMemoryPerByte = 400;
+  return {std::max(kLeastBytes, kBytesPerByte * file_bytes),
+          std::max(kLeastMemory, kMemoryPerByte * file_bytes)};
+}
+
+/** Returns the layout of the nodes. \exception std::runtime_error If it is not known. */
+NodeLayout layoutOf(const OcTreeHeader& h) {
+  if (h.format != OcTreeFormat::Ot) return NodeLayout::Kinds;
+  if (h.id == "ColorOcTree") return NodeLayout::LogOddsAndColour;
+  if (h.id == "OcTree" || h.id == "OcTreeStamped") return NodeLayout::LogOdds;
+  constexpr size_t kMostCharacters = 40;
+  corrupt("trees of type '" + printable(h.id, kMostCharacters) + "' are not supported");
+}
+
+/** What parseOcTreeFile() says about a map. */
+class Notes {
+ public:
+  explicit Notes(std::vector<std::string>* notes) : notes_(notes) {}
+  void add(const std::string& note) {
+    if (notes_) notes_->push_back(note);
   }
-  if (h.id.empty()) corrupt("the header has no 'id'");
-  if (!has_size) corrupt("the header has no valid 'size'");
-  if (!(h.resolution > 0) || !std::isfinite(h.resolution))
-    corrupt("the header has no valid 'res' (voxel size in metres)");
-  h.data = bytes;
-  return h;
+  void addOn(const NodeReader& reader) {
+    if (reader.hasClamped()) add("infinite log-odds were clamped to OctoMap's thresholds");
+    if (reader.hasColours()) add("colours are not kept: the map is used without colours");
+  }
+
+ private:
+  std::vector<std::string>* notes_;
+};
+
+std::unique_ptr<octomap::OcTree> parsePlainFile(std::string_view bytes, size_t most_memory,
+                                                Notes& notes) {
+  const OcTreeHeader h = parseOcTreeHeader(bytes);
+  const NodeLayout layout = layoutOf(h);
+  auto tree = std::make_unique<octomap::OcTree>(h.resolution);
+  if (h.size == 0) return tree;
+  NodeReader reader(h.data, *tree, NodeReader::Infinities::Clamp, most_memory);
+  const size_t count = reader.read(layout);
+  notes.addOn(reader);
+  if (count != h.size)
+    notes.add("the header announces " + std::to_string(h.size) + " nodes, the data holds " +
+              std::to_string(count) + ": all nodes of the data are used");
+  return tree;
 }
 
 /** Writes the nodes of an octree to a sink, in blocks: the file of a large map is never in memory
@@ -153,14 +124,15 @@ std::string collected(size_t size, Write&& write) {
 }
 
 constexpr size_t kNodeBytes = 5;
+constexpr std::string_view kComment =
+    "\n# (feel free to add / change comments, but leave the first line as it is!)\n#\n";
 
 std::string otHeader(const octomap::OcTree& tree) {
   char resolution[32] = {};  // shortest text that reads back to the same double
   std::to_chars(resolution, std::end(resolution), tree.getResolution());
   std::ostringstream header;
-  header << kOtMagic
-         << "\n# (feel free to add / change comments, but leave the first line as it is!)"
-         << "\n#\nid OcTree\nsize " << tree.size() << "\nres " << resolution << "\ndata\n";
+  header << kOtMagic << kComment << "id OcTree\nsize " << tree.size() << "\nres " << resolution
+         << "\ndata\n";
   return header.str();
 }
 
@@ -171,38 +143,40 @@ void writeOt(const octomap::OcTree& tree, const ByteSink& sink) {
 
 }  // namespace
 
-bool isOcTreeFile(std::string_view bytes) {
-  return startsWith(bytes, kOtMagic) || startsWith(bytes, kBtMagic);
-}
+bool isOcTreeFile(std::string_view bytes) { return ocTreeFormatOf(bytes).has_value(); }
 
-size_t parseNodes(std::string_view bytes, octomap::OcTree& tree, size_t extra_bytes_per_node) {
+size_t parseNodes(std::string_view bytes, octomap::OcTree& tree) {
   if (bytes.empty()) return 0;
-  ByteReader in(bytes);
-  return readNode(in, tree, OcTreeAccess::createRoot(tree), 0, extra_bytes_per_node);
+  return NodeReader(bytes, tree, NodeReader::Infinities::Reject).read(NodeLayout::LogOdds);
 }
 
-std::unique_ptr<octomap::OcTree> parseOcTreeFile(std::string_view bytes) {
-  const bool binary = startsWith(bytes, kBtMagic);
-  if (!binary && !startsWith(bytes, kOtMagic)) corrupt("not an OctoMap file (.ot or .bt)");
+std::unique_ptr<octomap::OcTree> parseOcTreeFile(std::string_view bytes,
+                                                 std::vector<std::string>* notes) {
+  const Budget budget = budgetFor(bytes.size());
+  Notes to(notes);
+  if (!isGzip(bytes)) return parsePlainFile(bytes, budget.memory, to);
+  return parsePlainFile(gunzipped(bytes, budget.bytes), budget.memory, to);
+}
 
-  const Header h = parseHeader(bytes);
-  const bool colour = !binary && h.id == "ColorOcTree";
-  if (h.id != "OcTree" && !colour) corrupt("trees of type '" + h.id + "' are not supported");
-
-  auto tree = std::make_unique<octomap::OcTree>(h.resolution);
-  size_t count = 0;
-  if (h.size > 0) {
-    if (binary) {
-      ByteReader in(h.data);
-      count = readBinaryNode(in, *tree, OcTreeAccess::createRoot(*tree), 0);
-    } else {
-      count = parseNodes(h.data, *tree, colour ? 3 : 0);
+std::unique_ptr<octomap::OcTree> parseRawOcTree(std::string_view bytes, double resolution,
+                                                std::vector<std::string>* notes) {
+  checkResolution(resolution);
+  const Budget budget = budgetFor(bytes.size());
+  const std::string unpacked = isGzip(bytes) ? gunzipped(bytes, budget.bytes) : std::string();
+  const std::string_view nodes = isGzip(bytes) ? unpacked : bytes;
+  for (const auto layout : {NodeLayout::LogOdds, NodeLayout::LogOddsAndColour, NodeLayout::Kinds}) {
+    auto tree = std::make_unique<octomap::OcTree>(resolution);
+    NodeReader reader(nodes, *tree, NodeReader::Infinities::Clamp, budget.memory);
+    try {
+      reader.read(layout);
+    } catch (const std::runtime_error&) {
+      continue;  // another layout
     }
+    if (reader.bytesLeft() > 0) continue;
+    Notes(notes).addOn(reader);
+    return tree;
   }
-  if (count != h.size)
-    corrupt("the header announces " + std::to_string(h.size) + " nodes, the data holds " +
-            std::to_string(count));
-  return tree;
+  return nullptr;
 }
 
 void serializeNodes(const octomap::OcTree& tree, const ByteSink& sink) {
@@ -222,9 +196,14 @@ std::string toOtFile(const octomap::OcTree& tree) {
 
 std::string toBtFile(const octomap::OcTree& tree) {
   octomap::OcTree copy(tree);
-  std::ostringstream out;
-  out.precision(17);
-  copy.writeBinary(out);
+  copy.toMaxLikelihood();
+  copy.prune();
+  std::ostringstream out;  // not by OctoMap's writeBinary(), which prints to stderr
+  constexpr int kDigits = 17;
+  out.precision(kDigits);
+  out << kBtMagic << kComment << "id OcTree\nsize " << copy.size() << "\nres "
+      << copy.getResolution() << "\ndata\n";
+  if (copy.getRoot()) copy.writeBinaryData(out);
   return out.str();
 }
 

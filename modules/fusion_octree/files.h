@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "fusion_base/files.h"
 
@@ -17,16 +18,31 @@
 
 namespace mrpt::fusion {
 
-/** True if the bytes begin like a `.ot` or a `.bt` file. */
+/** True if the bytes begin like a `.ot` or a `.bt` file, of OctoMap 1.0 and later or of 2010. */
 bool isOcTreeFile(std::string_view bytes);
 
-/** Reads the contents of a `.ot` or a `.bt` file. A `.ot` file gives all log-odds and the structure
- * of the octree, bit for bit; of a ColorOcTree only the occupancy is read. A `.bt` file gives two
- * values: the default clamping thresholds.
- * \exception std::runtime_error If the header is wrong, the data is truncated, the number of nodes
- * is wrong, nodes are deeper than 16, log-odds are not finite, or the tree has another type.
+/** Reads the contents of a `.ot` or a `.bt` file, which may be gzip data. A `.ot` file gives all
+ * log-odds and the structure of the octree, bit for bit. A `.bt` file gives two values: the default
+ * clamping thresholds. All that OctoMap reads is read:
+ *  - `.ot` of OcTree, OcTreeStamped and ColorOcTree (without the colours), `.bt` of any type;
+ *  - a number of nodes that is not the number in the header: the data decides. 0 is an empty map;
+ *  - infinite log-odds, which become the default clamping thresholds.
+ *
+ * \param[in] bytes The file.
+ * \param[out] notes Sentences about what differs from the file. May be null.
+ * \exception std::runtime_error If the header is wrong, the resolution is not in [1e-4, 1e6] m, the
+ * data is truncated, nodes are deeper than 16, log-odds are NaN, the tree has another type, or
+ * compressed data needs more memory than a file of its size can need. */
+std::unique_ptr<octomap::OcTree> parseOcTreeFile(std::string_view bytes,
+                                                 std::vector<std::string>* notes = nullptr);
+
+/** Reads the nodes of an octree without a header, as the data of octomap_msgs/Octomap: full or
+ * binary, with or without colours. The layout must fit all bytes.
+ * \return Null if the bytes are no such data.
+ * \exception std::runtime_error If the resolution is not in [1e-4, 1e6] m, or gzip data is damaged.
  */
-std::unique_ptr<octomap::OcTree> parseOcTreeFile(std::string_view bytes);
+std::unique_ptr<octomap::OcTree> parseRawOcTree(std::string_view bytes, double resolution,
+                                                std::vector<std::string>* notes = nullptr);
 
 /** Returns the contents of a `.ot` file: all log-odds and the structure of the octree. */
 std::string toOtFile(const octomap::OcTree& tree);
@@ -48,13 +64,9 @@ std::string serializeNodes(const octomap::OcTree& tree);
 void serializeNodes(const octomap::OcTree& tree, const ByteSink& sink);
 
 /** Inverts serializeNodes(): fills the empty \a tree with the nodes.
- * \param[in] bytes All bytes of the nodes.
- * \param[in,out] tree An empty octree.
- * \param[in] extra_bytes_per_node Number of bytes to skip between log-odds and mask (3 for a
- * ColorOcTree).
  * \return Number of nodes.
- * \exception std::runtime_error As parseOcTreeFile(). \a tree is then incomplete: discard it.
- */
-size_t parseNodes(std::string_view bytes, octomap::OcTree& tree, size_t extra_bytes_per_node = 0);
+ * \exception std::runtime_error If the data is truncated, nodes are deeper than 16, or log-odds are
+ * not finite. \a tree is then incomplete: discard it. */
+size_t parseNodes(std::string_view bytes, octomap::OcTree& tree);
 
 }  // namespace mrpt::fusion
