@@ -5,16 +5,38 @@
 #include "arguments.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "fusion_base/printable.h"
+#include "fusion_octree/resolution.h"
+#include "output.h"
 
 namespace map_fusion {
 
 namespace {
 
+/** Makes a check of a number. In contrast to CLI::Range, it rejects NaN. */
+CLI::Validator numberIn(double min, double max, const std::string& name) {
+  return {[=](const std::string& text) -> std::string {
+            double value = std::nan("");
+            const bool is_number = CLI::detail::lexical_cast(text, value);
+            if (is_number && value >= min && value <= max) return {};
+            return mrpt::fusion::printable(text) + " is not in [" + CLI::detail::to_string(min) +
+                   ", " + CLI::detail::to_string(max) + "]";
+          },
+          name};
+}
+
 constexpr int kMaxMaps = 10000;
+constexpr double kMostSigma = 1e6;  // m, deg
 
 constexpr const char* kPoseHelp =
     "\"[x y z yaw pitch roll]\" (m, deg), or a file with a 4x4 row-major matrix";
 constexpr const char* kFusedHelp = "fused map in the frame of A: .ot, .bt, or MRPT-serialized";
+constexpr const char* kRawHelp =
+    "voxel size (m) of files that hold the data of octomap_msgs/Octomap without a header";
 
 /** Adds subcommands, and the options that several subcommands share. */
 class CommandLine {
@@ -45,8 +67,14 @@ class CommandLine {
         ->required()
         ->expected(least, most);
   }
+  void resolution(CLI::App* sub, const std::string& what) {
+    sub->add_option("--resolution", args_.resolution, what)
+        ->check(numberIn(mrpt::fusion::kMinResolution, mrpt::fusion::kMaxResolution, "M"));
+  }
   void output(CLI::App* sub, const std::string& what) {
-    sub->add_option("-o,--output", args_.output, what)->required()->type_name("FILE");
+    sub->add_option("-o,--output", args_.output, what + "; - is standard output")
+        ->required()
+        ->type_name("FILE");
   }
   void init(CLI::App* sub) {
     auto* guess =
@@ -59,7 +87,7 @@ class CommandLine {
                     "The search covers 3 standard deviations (default: ranges of the settings)")
         ->type_name("M DEG")
         ->expected(2)
-        ->check(CLI::NonNegativeNumber)
+        ->check(numberIn(0, kMostSigma, "NUMBER"))
         ->needs(guess);
     sub->add_flag("--full-6dof", args_.full_6dof,
                   "search all roll and pitch angles, too. Without --full-6dof, both maps must be "
@@ -101,6 +129,7 @@ void addPairCommands(CommandLine& line, Arguments& args) {
                "maps whose matches are accepted",
                "map-fusion fuse a.ot b.ot --init \"[4 1 0 30 0 0]\" -o fused.ot");
   line.inputs(fuse, "A B...", 1, kMaxMaps);
+  line.resolution(fuse, kRawHelp);
   line.output(fuse, kFusedHelp);
   line.init(fuse);
   line.policy(fuse);
@@ -110,18 +139,21 @@ void addPairCommands(CommandLine& line, Arguments& args) {
   auto* match = line.add("match", "Estimate the pose of B in A and judge whether it is right",
                          "map-fusion match a.ot b.ot --init guess.txt --pose-out T_a_b.txt");
   line.inputs(match, "A B", 2, 2);
+  line.resolution(match, kRawHelp);
   line.init(match);
   line.picture(match);
 
   auto* evaluate = line.add("evaluate", "Judge whether a given pose of B in A is right",
                             "map-fusion evaluate a.ot b.ot --pose T_a_b.txt");
   line.inputs(evaluate, "A B", 2, 2);
+  line.resolution(evaluate, kRawHelp);
   line.pose(evaluate, "pose of B in A's frame");
   line.picture(evaluate);
 
   auto* merge = line.add("merge", "Merge both maps at a given pose of B in A",
                          "map-fusion merge a.ot b.ot --pose T_a_b.txt --policy bayes -o fused.ot");
   line.inputs(merge, "A B", 2, 2);
+  line.resolution(merge, kRawHelp);
   line.pose(merge, "pose of B in A's frame");
   line.output(merge, kFusedHelp);
   line.policy(merge);
@@ -132,6 +164,7 @@ void addMapCommands(CommandLine& line, Arguments& args) {
   auto* edges = line.add("edges", "Extract the structural edge voxels of a map",
                          "map-fusion edges a.ot -o edges.ply");
   line.inputs(edges, "MAP", 1, 1);
+  line.resolution(edges, kRawHelp);
   line.output(edges,
               "*.ply: a point cloud whose normals (nx, ny, nz) are the directions of the edges; "
               "otherwise a CEdgeVoxelMap, which can be matched");
@@ -142,8 +175,8 @@ void addMapCommands(CommandLine& line, Arguments& args) {
   line.inputs(transform, "MAP", 1, 1);
   line.pose(transform, "pose of the map's frame in the new frame");
   line.output(transform, "moved map: .ot, .bt, or MRPT-serialized");
-  transform->add_option("--resolution", args.resolution, "voxel size, m (default: as in the map)")
-      ->check(CLI::PositiveNumber);
+  line.resolution(
+      transform, "voxel size, m (default: as in the map). It is also the " + std::string(kRawHelp));
 
   auto* build = line.add("build", "Build a map from a recording: a .rawlog or a .simplemap",
                          "map-fusion build run.rawlog --config map.ini -o run.ot");
@@ -153,15 +186,69 @@ void addMapCommands(CommandLine& line, Arguments& args) {
   auto* pack = line.add("pack", "Write the maps of several robots to one rawlog, compressed",
                         "map-fusion pack robot1.ot robot2.ot -o mission.rawlog");
   line.inputs(pack, "MAPS", 1, kMaxMaps);
+  line.resolution(pack, kRawHelp);
   line.output(pack, "rawlog with one CObservationLocalMap per robot, named as the robot's file");
   pack->add_flag("--edges-only", args.edges_only,
                  "write only the structural edges: less than 5 % of the size");
 
   auto* info = line.add("info", "Print the contents of a map", "map-fusion info a.ot");
   line.inputs(info, "MAP", 1, 1);
+  line.resolution(info, kRawHelp);
+}
+
+/** Returns the number of letters to insert, remove or replace that make one word of the other. */
+size_t editDistance(const std::string& a, const std::string& b) {
+  std::vector<size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), size_t{0});
+  for (size_t i = 1; i <= a.size(); i++) {
+    size_t diagonal = row[0];
+    row[0] = i;
+    for (size_t j = 1; j <= b.size(); j++) {
+      const size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+    }
+  }
+  return row.back();
+}
+
+/** \exception CLI::ValidationError If the first word of the arguments is not a command. It names
+ * the nearest command. */
+void checkCommand(const CLI::App& app, int argc, char** argv) {
+  constexpr size_t kMostLetters = 40;
+  const std::string word = argc > 1 ? argv[1] : "-";
+  if (word[0] == '-') return;
+  std::string nearest;
+  size_t least = std::string::npos;
+  for (const auto* command : app.get_subcommands({})) {
+    const size_t distance = editDistance(word.substr(0, kMostLetters), command->get_name());
+    if (distance < least) nearest = command->get_name();
+    least = std::min(least, distance);
+  }
+  if (nearest == word) return;
+  throw CLI::ValidationError("there is no command '" + mrpt::fusion::printable(word, kMostLetters) +
+                             "'; the nearest is '" + nearest + "'");
+}
+
+/** \exception CLI::ValidationError If two outputs are the same file. */
+void checkOutputs(const Arguments& args) {
+  const auto outputs = outputsOf(args);
+  for (size_t i = 0; i < outputs.size(); i++)
+    for (size_t j = 0; j < i; j++)
+      if (isSameOutput(outputs[i], outputs[j]))
+        throw CLI::ValidationError(
+            "two outputs are the same file: " + mrpt::fusion::printable(outputs[j]) + " and " +
+            mrpt::fusion::printable(outputs[i]));
 }
 
 }  // namespace
+
+std::vector<std::string> outputsOf(const Arguments& args) {
+  std::vector<std::string> outputs;
+  for (const auto& path : {args.output, args.pose_out, args.picture, args.scene, args.json})
+    if (!path.empty()) outputs.push_back(path);
+  return outputs;
+}
 
 std::optional<ExitCode> parseArguments(int argc, char** argv, Arguments& args) {
   CLI::App app("Matches, evaluates and merges 3-D occupancy maps.");
@@ -175,7 +262,9 @@ std::optional<ExitCode> parseArguments(int argc, char** argv, Arguments& args) {
   addPairCommands(line, args);
   addMapCommands(line, args);
   try {
+    checkCommand(app, argc, argv);
     app.parse(argc, argv);
+    checkOutputs(args);
     if (args.maps.size() != 2 && !(args.init + args.pose_out + args.picture + args.scene).empty())
       throw CLI::ValidationError(
           "--init, --pose-out, --picture and --scene need exactly two maps, A and B");

@@ -26,13 +26,17 @@ struct Arguments {
   std::string config;              ///< Settings file; empty: defaults
   std::string section = "MappingApplication";  ///< Section of config with the map definition
   std::string policy;                          ///< Merge policy; empty: as in the settings
-  double resolution = 0;                       ///< Voxel size, m; 0: as in the input
+  double resolution = 0;                       ///< Voxel size, m; 0: as in the input. Nodes
+                                               ///< without a header have no other voxel size
   unsigned threads = 0;                        ///< Number of threads; 0: all cores
   bool edges_only = false;                     ///< Write structural edges, not maps
   bool force = false;                          ///< Merge rejected matches, too
   bool quiet = false;                          ///< Print neither summary nor progress
   bool verbose = false;                        ///< Print each iteration
 };
+
+/** Returns the output files of the arguments. */
+std::vector<std::string> outputsOf(const Arguments& args);
 
 /** Exit codes of the program. They are documented in --help. */
 enum ExitCode { kDone = 0, kFailure = 1, kUsage = 2, kRejected = 3 };

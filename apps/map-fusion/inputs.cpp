@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "fusion_base/error_text.h"
+#include "fusion_base/file_kind.h"
 #include "fusion_base/files.h"
 #include "fusion_octree/files.h"
 
@@ -22,23 +23,35 @@ namespace map_fusion {
 
 namespace {
 
-bool isOcTree(const std::string& path) {
-  return mrpt::fusion::withPath(
-      path, [&] { return mrpt::fusion::isOcTreeFile(mrpt::fusion::beginningOf(path)); });
+using OcTreePtr = std::shared_ptr<const octomap::OcTree>;
+
+/** Loads the octree of a file: `.ot`, `.bt`, or nodes without a header if `--resolution` is given.
+ * \return Null for another file. */
+OcTreePtr loadOcTree(RunContext& run, const std::string& path) {
+  using mrpt::fusion::readFileBytes;
+  const double resolution = run.args.resolution;
+  std::vector<std::string> notes;
+  const auto octree = mrpt::fusion::withPath(path, [&]() -> OcTreePtr {
+    if (mrpt::fusion::isOcTreeFile(mrpt::fusion::beginningOf(path)))
+      return mrpt::fusion::parseOcTreeFile(readFileBytes(path), &notes);
+    if (resolution <= 0) return nullptr;
+    return mrpt::fusion::parseRawOcTree(readFileBytes(path), resolution, &notes);
+  });
+  for (const auto& note : notes) run.note(path + ": " + note);
+  return octree;
 }
 
-LoadedMap loadFile(const std::string& path, const MapDefinition& definition) {
-  if (!isOcTree(path)) return mrptMaps().load(path, definition);
-  return mrpt::fusion::withPath(path, [&]() -> LoadedMap {
-    return {mrpt::fusion::parseOcTreeFile(mrpt::fusion::readFileBytes(path)), nullptr, nullptr};
-  });
+LoadedMap loadFile(RunContext& run, const std::string& path) {
+  if (auto octree = loadOcTree(run, path)) return {octree, nullptr, nullptr};
+  isOcTree(path);  // throws if the file is of a known other kind
+  return mrptMaps().load(path, run.mapDefinition());
 }
 
 }  // namespace
 
 LoadedMap loadMap(RunContext& run, const std::string& role, const std::string& path) {
   run.progress.show("loading " + path);
-  LoadedMap map = loadFile(path, run.mapDefinition());
+  LoadedMap map = loadFile(run, path);
   run.progress.clear();
   run.report.maps.push_back(mrpt::fusion::reportOn(role, path, *map.octree));
   if (run.args.command != "info" && run.report.maps.back().statistics.occupied == 0)
@@ -47,8 +60,19 @@ LoadedMap loadMap(RunContext& run, const std::string& role, const std::string& p
   return map;
 }
 
-std::vector<Robot> loadMission(const std::string& path) {
-  return isOcTree(path) ? std::vector<Robot>() : mrptMaps().loadMission(path);
+bool isOcTree(const std::string& path) {
+  return mrpt::fusion::withPath(path, [&] {
+    const std::string beginning = mrpt::fusion::beginningOf(path);
+    if (mrpt::fusion::isOcTreeFile(beginning)) return true;
+    const std::string kind = mrpt::fusion::foreignKindOf(beginning);
+    if (!kind.empty()) throw std::runtime_error(kind);
+    return false;
+  });
+}
+
+std::vector<Robot> loadMission(const RunContext& run, const std::string& path) {
+  const bool may_be_raw = run.args.resolution > 0;
+  return may_be_raw || isOcTree(path) ? std::vector<Robot>() : mrptMaps().loadMission(path);
 }
 
 std::vector<Robot> loadRobots(RunContext& run) {
@@ -57,7 +81,7 @@ std::vector<Robot> loadRobots(RunContext& run) {
   for (size_t i = 0; i < names.size(); i++) {
     const std::string& path = run.args.maps[i];
     run.progress.show("loading " + path);
-    auto of_file = loadMission(path);
+    auto of_file = loadMission(run, path);
     for (const Robot& robot : of_file)
       run.report.maps.push_back(mrpt::fusion::reportOn(robot.name, path, *robot.map.octree));
     if (of_file.empty()) {

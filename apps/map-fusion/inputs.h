@@ -14,14 +14,19 @@
 
 namespace map_fusion {
 
-/** Loads the map of a file of any kind, and reports on it. \param[in] role See MapReport.
+/** Loads the map of a file of any kind, and reports on it. What differs from the file is noted.
+ * \param[in] role See MapReport.
  * \exception std::runtime_error "<path>: <reason>", also if a command other than `info` gets a map
  * without occupied voxels. */
 LoadedMap loadMap(RunContext& run, const std::string& role, const std::string& path);
 
+/** Returns whether a file is an octree. Otherwise it may be a file of MRPT. \exception
+ * std::runtime_error "<path>: <reason>" if the file cannot be read or is of a known other kind. */
+bool isOcTree(const std::string& path);
+
 /** Loads the latest maps of all robots of a recorded mission. Returns nothing for files of other
- * kinds. */
-std::vector<Robot> loadMission(const std::string& path);
+ * kinds, and if the arguments say that the files are nodes of an octree. */
+std::vector<Robot> loadMission(const RunContext& run, const std::string& path);
 
 /** Loads the maps of all robots that the arguments name, and reports on them. A file is a recorded
  * mission, or it holds the map of one robot. \exception std::runtime_error As loadMap(), and if two

@@ -17,6 +17,7 @@
 #include "commands/commands.h"
 #include "fusion_base/error_text.h"
 #include "run_context.h"
+#include "signals.h"
 
 namespace map_fusion {
 
@@ -43,6 +44,7 @@ ExitCode run(const Arguments& args) {
 int main(int argc, char** argv) {
   using namespace map_fusion;
   try {
+    handleSignals();
     Arguments args;
     if (const auto code = parseArguments(argc, argv, args)) return *code;
     std::unique_ptr<tbb::global_control> limit;

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "fusion_base/error_text.h"
 #include "fusion_base/files.h"
 #include "fusion_report/top_view.h"
 #include "inputs.h"
@@ -91,8 +92,11 @@ MapPair loadPair(RunContext& run) {
 
 std::pair<PreparedMap, PreparedMap> preparePair(const RunContext& run, const MapPair& pair) {
   std::optional<PreparedMap> a, b;
-  tbb::parallel_invoke([&] { a.emplace(pair.a.prepared(run.options.features)); },
-                       [&] { b.emplace(pair.b.prepared(run.options.features)); });
+  const auto prepare = [&](size_t i, const LoadedMap& map, std::optional<PreparedMap>& prepared) {
+    mrpt::fusion::withPath(run.args.maps[i],
+                           [&] { prepared.emplace(map.prepared(run.options.features)); });
+  };
+  tbb::parallel_invoke([&] { prepare(0, pair.a, a); }, [&] { prepare(1, pair.b, b); });
   return {*a, *b};
 }
 
@@ -115,8 +119,10 @@ bool matchPair(RunContext& run, const MapPair& pair) {
 void mergePair(RunContext& run, MapPair& pair) {
   run.progress.show("merging");
   choosePolicy(run);
-  pair.fused = mrpt::fusion::mergeMaps(pair.a.wholeMap(), pair.b.wholeMap(),
-                                       toEigen(run.report.pose->mean), run.options.merge);
+  pair.fused = mrpt::fusion::withPath(run.args.maps[1], [&] {
+    return mrpt::fusion::mergeMaps(pair.a.wholeMap(), pair.b.wholeMap(),
+                                   toEigen(run.report.pose->mean), run.options.merge);
+  });
   run.progress.clear();
   run.endStep("merge");
   saveFused(run, pair.fused);

@@ -6,10 +6,17 @@
 
 #include <dlfcn.h>
 
+#include <atomic>
 #include <stdexcept>
 #include <string>
 
 namespace map_fusion {
+
+namespace {
+std::atomic<const MrptMaps*> loaded_maps{nullptr};
+}
+
+const MrptMaps* loadedMrptMaps() noexcept { return loaded_maps.load(); }
 
 const MrptMaps& mrptMaps() {
   static const MrptMaps& maps = []() -> const MrptMaps& {
@@ -17,7 +24,9 @@ const MrptMaps& mrptMaps() {
         ::dlopen(MRPT_MAPS_MODULE, RTLD_LAZY);  // searched in the run path of this program
     void* entry = module ? ::dlsym(module, "mrptMapsOfModule") : nullptr;
     if (!entry) throw std::runtime_error(std::string("MRPT's maps: ") + ::dlerror());
-    return *reinterpret_cast<const MrptMaps* (*)()>(entry)();
+    const MrptMaps* loaded = reinterpret_cast<const MrptMaps* (*)()>(entry)();
+    loaded_maps.store(loaded);
+    return *loaded;
   }();
   return maps;
 }

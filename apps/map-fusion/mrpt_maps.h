@@ -96,10 +96,15 @@ class MrptMaps {
   virtual void save(const LoadedMap& map, const std::string& path) const = 0;
   /** Writes a scene, see mrpt::fusion::drawFusion(). */
   virtual void drawScene(const SceneContents& contents, const std::string& path) const = 0;
+  /** Removes the temporary files of the module. For signal handlers. */
+  virtual void removeTemporaryFiles() const noexcept = 0;
 };
 
 /** Returns the functions of the module. Loads the module at the first call.
  * \exception std::runtime_error If the module cannot be loaded. */
 const MrptMaps& mrptMaps();
+
+/** Returns the functions of the module if it is loaded, otherwise null. For signal handlers. */
+const MrptMaps* loadedMrptMaps() noexcept;
 
 }  // namespace map_fusion

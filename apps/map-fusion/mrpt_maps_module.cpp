@@ -91,6 +91,8 @@ class MapsOfModule : public MrptMaps {
     mrpt::fusion::saveMap(*mrptMapOf(map), path);
   }
 
+  void removeTemporaryFiles() const noexcept override { mrpt::fusion::removeTemporaryMapFiles(); }
+
   void drawScene(const SceneContents& c, const std::string& path) const override {
     const mrpt::fusion::FusionView view{
         c.a, c.b, c.pose, c.pairs, c.edges_a, c.edges_b, c.inlier_mahalanobis, c.fused};

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "fusion_base/files.h"
 #include "fusion_octree/files.h"
 #include "mrpt_maps.h"
 
@@ -33,13 +34,28 @@ void Progress::clear() {
 }
 
 bool isStandardOutput(const std::string& path) {
+  if (path == mrpt::fusion::kStandardOutput) return true;
   struct stat file {};
   struct stat out {};
-  return !path.empty() && ::stat(path.c_str(), &file) == 0 && ::fstat(STDOUT_FILENO, &out) == 0 &&
+  return ::stat(path.c_str(), &file) == 0 && ::fstat(STDOUT_FILENO, &out) == 0 &&
          file.st_dev == out.st_dev && file.st_ino == out.st_ino;
 }
 
+bool isSameOutput(const std::string& a, const std::string& b) {
+  const auto pathOf = [](const std::string& path) -> fs::path {
+    return path == mrpt::fusion::kStandardOutput ? "/dev/stdout" : path;
+  };
+  std::error_code ignored;
+  if (a == b && a == mrpt::fusion::kStandardOutput) return true;
+  if (fs::equivalent(pathOf(a), pathOf(b), ignored))
+    return !fs::is_character_file(pathOf(a), ignored);
+  return fs::weakly_canonical(fs::absolute(pathOf(a)), ignored) ==
+             fs::weakly_canonical(fs::absolute(pathOf(b)), ignored) &&
+         !fs::exists(pathOf(a), ignored);
+}
+
 void checkWritable(const std::string& path, const std::vector<std::string>& inputs) {
+  if (path == mrpt::fusion::kStandardOutput) return;
   std::error_code ignored;
   for (const auto& input : inputs)
     if (fs::equivalent(path, input, ignored))
@@ -59,7 +75,7 @@ void checkWritable(const std::string& path, const std::vector<std::string>& inpu
 
 void saveMap(const std::shared_ptr<const octomap::OcTree>& map, const std::string& path) {
   const std::string extension = fs::path(path).extension();
-  if (extension == ".ot" || extension == ".bt")
+  if (extension == ".ot" || extension == ".bt" || path == mrpt::fusion::kStandardOutput)
     mrpt::fusion::saveOcTree(*map, path);
   else
     mrptMaps().save({map, nullptr, nullptr}, path);

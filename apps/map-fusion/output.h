@@ -25,15 +25,18 @@ class Progress {
   bool shown_ = false;
 };
 
-/** Returns whether a path names the file, device or pipe that is standard output. The path may be
- * empty. */
+/** Returns whether a path is "-" or names the file, device or pipe that is standard output. */
 bool isStandardOutput(const std::string& path);
+
+/** Returns whether two paths name one output. A device such as /dev/null may be named twice. */
+bool isSameOutput(const std::string& a, const std::string& b);
 
 /** Checks that a file can be created, so that a long run does not fail at its end.
  * \exception std::runtime_error "<path>: <reason>" if it cannot, or if the file is an input. */
 void checkWritable(const std::string& path, const std::vector<std::string>& inputs);
 
-/** Saves a map: `.ot` and `.bt` by extension, otherwise as MRPT serializes it.
+/** Saves a map: `.ot` and `.bt` by extension, `.ot` on standard output ("-"), otherwise as MRPT
+ * serializes it.
  * \exception std::runtime_error "<path>: <reason>". */
 void saveMap(const std::shared_ptr<const octomap::OcTree>& map, const std::string& path);
 

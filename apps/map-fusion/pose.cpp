@@ -19,6 +19,8 @@ namespace map_fusion {
 
 namespace {
 
+constexpr size_t kMostPoseBytes = size_t{1} << 20U;  // a matrix has at most 16 numbers
+
 /** Parses a text of \a count numbers. \exception std::runtime_error "<what>: <reason>". */
 std::vector<double> parseNumbers(const std::string& text, size_t count, const std::string& what) {
   std::istringstream in(text);
@@ -72,8 +74,8 @@ mrpt::poses::CPose3D parsePose(const std::string& text) {
     return mrpt::poses::CPose3D(v[0], v[1], v[2], mrpt::DEG2RAD(v[3]), mrpt::DEG2RAD(v[4]),
                                 mrpt::DEG2RAD(v[5]));
   }
-  return mrpt::fusion::withPath(text,
-                                [&] { return parseMatrix(mrpt::fusion::readFileBytes(text)); });
+  return mrpt::fusion::withPath(
+      text, [&] { return parseMatrix(mrpt::fusion::readFileBytes(text, kMostPoseBytes)); });
 }
 
 std::string toMatrixText(const mrpt::poses::CPose3D& pose) {

@@ -4,9 +4,10 @@
 
 #include "run_context.h"
 
-#include <mrpt/config/CConfigFile.h>
+#include <mrpt/config/CConfigFileMemory.h>
 #include <mrpt/core/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <stdexcept>
@@ -14,6 +15,7 @@
 
 #include "fusion_base/error_text.h"
 #include "fusion_base/files.h"
+#include "fusion_base/printable.h"
 #include "fusion_report/json.h"
 #include "fusion_report/text.h"
 
@@ -35,8 +37,7 @@ RunContext::RunContext(const Arguments& arguments) : args(arguments), progress(!
   report.command = args.command;
   std::vector<std::string> inputs = args.maps;
   inputs.insert(inputs.end(), {args.config, args.init, args.pose});
-  for (const auto& path : {args.output, args.pose_out, args.picture, args.scene, args.json})
-    if (!path.empty()) checkWritable(path, inputs);
+  for (const auto& path : outputsOf(args)) checkWritable(path, inputs);
   if (!args.config.empty()) mrpt::fusion::withPath(args.config, [this] { loadConfig(); });
   if (args.full_6dof) options.search.rotations = mrpt::fusion::SearchRotations::All;
   on_iteration = [this](const mrpt::fusion::IterationRecord& i) {
@@ -51,8 +52,10 @@ RunContext::RunContext(const Arguments& arguments) : args(arguments), progress(!
 RunContext::~RunContext() = default;
 
 void RunContext::loadConfig() {
-  mrpt::fusion::readFileBytes(args.config);  // for MRPT, a missing file is an empty file
-  config_ = std::make_unique<mrpt::config::CConfigFile>(args.config);
+  // Not by MRPT, for which a missing file is an empty file. A pipe can be read only once.
+  constexpr size_t kMostBytes = size_t{16} << 20U;
+  config_ = std::make_unique<mrpt::config::CConfigFileMemory>();
+  config_->setContent(mrpt::fusion::readFileBytes(args.config, kMostBytes));
   const bool has_map = config_->sectionExists(args.section);
   const bool has_matching = config_->sectionExists(kMatchingSection);
   if (!has_map && !has_matching)
@@ -71,6 +74,12 @@ MapDefinition RunContext::mapDefinition() {
   return definition;
 }
 
+void RunContext::note(const std::string& text) {
+  progress.clear();
+  std::cerr << "map-fusion: note: " << mrpt::fusion::printable(text) << "\n";
+  report.notes.push_back(text);
+}
+
 void RunContext::endStep(const std::string& name) {
   auto& seconds = report.seconds;
   const double elapsed = clock_.Tac();
@@ -82,7 +91,8 @@ void RunContext::endStep(const std::string& name) {
 }
 
 void RunContext::finish() {
-  const bool is_stdout_taken = isStandardOutput(args.output) || isStandardOutput(args.json);
+  const auto outputs = outputsOf(args);
+  const bool is_stdout_taken = std::any_of(outputs.begin(), outputs.end(), isStandardOutput);
   if (!args.quiet) mrpt::fusion::print(report, is_stdout_taken ? std::cerr : std::cout);
   if (!args.json.empty())
     mrpt::fusion::writeFileAtomically(args.json, mrpt::fusion::toJson(report));

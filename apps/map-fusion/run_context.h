@@ -14,7 +14,7 @@
 #include "output.h"
 
 namespace mrpt::config {
-class CConfigFile;
+class CConfigFileMemory;
 }
 
 /** \file
@@ -41,6 +41,9 @@ class RunContext {
   /** The map that `--config` defines. It is valid as long as this context. */
   MapDefinition mapDefinition();
 
+  /** Tells the user what a run did not take over from a file: on stderr, and in the report. */
+  void note(const std::string& text);
+
   /** Starts to measure a step. */
   void startStep() { clock_.Tic(); }
   /** Adds the time since the last step to the report, and starts to measure the next step. */
@@ -52,7 +55,7 @@ class RunContext {
  private:
   void loadConfig();
 
-  std::unique_ptr<mrpt::config::CConfigFile> config_;
+  std::unique_ptr<mrpt::config::CConfigFileMemory> config_;
   mrpt::system::CTicTac clock_;
 };
 

@@ -86,6 +86,7 @@ Json matchJson(const Alignment& info) {
 std::string toJson(const Report& r) {
   Json json;
   json["command"] = r.command;
+  if (!r.notes.empty()) json["notes"] = r.notes;
   json["maps"] = Json::array();
   for (const auto& m : r.maps) {
     const auto& s = m.statistics;

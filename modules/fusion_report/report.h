@@ -38,6 +38,7 @@ struct ObservationCount {
 /** All findings of a run. A field without a value does not apply to the command. */
 struct Report {
   std::string command;                               ///< Subcommand of map-fusion
+  std::vector<std::string> notes;                    ///< Differences between files and their maps
   std::vector<MapReport> maps;                       ///< Maps that were read or written, in order
   std::optional<mrpt::poses::CPose3D> initial_pose;  ///< Initial guess of T_a_b
   std::optional<mrpt::poses::CPose3DPDFGaussian> pose;  ///< T_a_b; zero covariance if not judged

@@ -11,6 +11,8 @@
 #include <ostream>
 #include <string>
 
+#include "fusion_base/printable.h"
+
 namespace mrpt::fusion {
 namespace {
 
@@ -20,7 +22,7 @@ __attribute__((format(printf, 2, 3))) void line(std::ostream& out, const char* f
   va_start(args, format);
   std::vsnprintf(text, sizeof(text), format, args);
   va_end(args);
-  out << text << "\n";
+  out << printable(text) << "\n";  // names of robots and files are from outside
 }
 
 std::string poseText(const mrpt::poses::CPose3D& p) {
@@ -52,7 +54,7 @@ void printMember(const FusionMember& m, std::ostream& out) {
        m.alignment.by_edges ? "placed by edges" : verdictOf(e),
        m.joined && !e.accepted ? ", forced" : "", poseText(m.pose.mean).c_str(), 100 * e.overlap);
   if (!m.alignment.by_edges)
-    for (const auto& reason : e.reasons) out << "                 - " << reason << "\n";
+    for (const auto& reason : e.reasons) out << "                 - " << printable(reason) << "\n";
 }
 
 void printMatch(const Alignment& info, std::ostream& out) {
@@ -74,7 +76,7 @@ void printMatch(const Alignment& info, std::ostream& out) {
   else
     line(out, "conflict ratio   unknown  (no obstacle lies where the other map has free space)");
   line(out, "verdict          %s", verdictOf(e));
-  for (const auto& reason : e.reasons) out << "                 - " << reason << "\n";
+  for (const auto& reason : e.reasons) out << "                 - " << printable(reason) << "\n";
   if (e.is_ambiguous)
     line(out, "rival pose       %s", poseText(toPose(info.match.hypotheses[1].T_a_b)).c_str());
 }

@@ -51,6 +51,8 @@ std::shared_ptr<const CProbOctoMap> loadMap(const std::string& path, const Build
   return octomap;
 }
 
+void removeTemporaryMapFiles() noexcept { removeTemporaryFiles(); }
+
 void saveMap(const CMetricMap& map, const std::string& path) {
   const std::string extension = mrpt::system::extractFileExtension(path);
   if (extension == "ot" || extension == "bt") {

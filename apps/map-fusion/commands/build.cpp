@@ -2,16 +2,26 @@
 /** \file
  * `map-fusion build`. */
 
+#include <stdexcept>
+
 #include "commands/commands.h"
+#include "fusion_base/files.h"
+#include "inputs.h"
 #include "mrpt_maps.h"
+#include "output.h"
 
 namespace map_fusion {
 
 bool runBuild(RunContext& run) {
-  const auto built = mrptMaps().build(run.args.maps[0], run.mapDefinition());
+  const std::string& recording = run.args.maps[0];
+  if (isOcTree(recording)) throw std::runtime_error(recording + ": is a map, not a recording");
+  const auto built = mrptMaps().build(recording, run.mapDefinition());
   run.progress.clear();
   run.endStep("build");
-  mrptMaps().save(built.map, run.args.output);
+  if (run.args.output == mrpt::fusion::kStandardOutput && built.map.octree)
+    saveMap(built.map.octree, run.args.output);
+  else
+    mrptMaps().save(built.map, run.args.output);
   run.endStep("save");
   run.report.observations = {built.inserted, built.ignored};
   if (built.map.octree)

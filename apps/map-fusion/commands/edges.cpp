@@ -22,10 +22,12 @@ bool runEdges(RunContext& run) {
       run.args.maps[0], [&] { return std::make_shared<const EdgeVoxels>(edgesOf(run, map)); });
   run.report.edges = edges->size();
   run.endStep("edges");
-  if (std::filesystem::path(run.args.output).extension() == ".ply")
-    mrpt::fusion::writeFileAtomically(run.args.output, toPly(*edges));
+  const std::string& output = run.args.output;
+  if (std::filesystem::path(output).extension() == ".ply" ||
+      output == mrpt::fusion::kStandardOutput)
+    mrpt::fusion::writeFileAtomically(output, toPly(*edges));
   else
-    mrptMaps().save({nullptr, edges, nullptr}, run.args.output);
+    mrptMaps().save({nullptr, edges, nullptr}, output);
   run.endStep("save");
   return true;
 }

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "commands/commands.h"
+#include "fusion_base/error_text.h"
 #include "fusion_octree/resampling.h"
 #include "inputs.h"
 #include "output.h"
@@ -19,8 +20,10 @@ bool runTransform(RunContext& run) {
   const LoadedMap map = loadMap(run, "map", run.args.maps[0]);
   const double resolution =
       run.args.resolution > 0 ? run.args.resolution : map.octree->getResolution();
-  const std::shared_ptr<const octomap::OcTree> moved =
-      mrpt::fusion::transformOcTree(*map.octree, mrpt::fusion::toEigen(pose), resolution);
+  const auto moved =
+      mrpt::fusion::withPath(run.args.maps[0], [&]() -> std::shared_ptr<const octomap::OcTree> {
+        return mrpt::fusion::transformOcTree(*map.octree, mrpt::fusion::toEigen(pose), resolution);
+      });
   run.endStep("transform");
   saveMap(moved, run.args.output);
   run.endStep("save");

@@ -83,4 +83,8 @@ MRPT_FUSION_API void saveObject(const mrpt::serialization::CSerializable& object
  * std::runtime_error "<path>: <reason>". */
 MRPT_FUSION_API void saveMap(const mrpt::maps::CMetricMap& map, const std::string& path);
 
+/** Removes the temporary files of all calls of the functions above that have not returned. A signal
+ * handler may call it before it ends the program. */
+MRPT_FUSION_API void removeTemporaryMapFiles() noexcept;
+
 }  // namespace mrpt::fusion
