@@ -42,9 +42,11 @@ OcTreePtr loadOcTree(RunContext& run, const std::string& path) {
 }
 
 LoadedMap loadFile(RunContext& run, const std::string& path) {
-  if (auto octree = loadOcTree(run, path)) return {octree, nullptr, nullptr};
+  if (auto octree = loadOcTree(run, path)) return {octree, nullptr, nullptr, {}};
   isOcTree(path);  // throws if the file is of a known other kind
-  return mrptMaps().load(path, run.mapDefinition());
+  LoadedMap map = mrptMaps().load(path, run.mapDefinition());
+  for (const auto& note : map.notes) run.note(path + ": " + note);
+  return map;
 }
 
 }  // namespace
@@ -95,7 +97,8 @@ std::vector<Robot> loadRobots(RunContext& run) {
       if (twice) throw std::runtime_error(path + ": there is another map of '" + robot.name + "'");
       if (run.args.edges_only)
         robot.map = mrpt::fusion::withPath(path, [&]() -> LoadedMap {
-          return {nullptr, std::make_shared<const EdgeVoxels>(edgesOf(run, robot.map)), nullptr};
+          return {
+              nullptr, std::make_shared<const EdgeVoxels>(edgesOf(run, robot.map)), nullptr, {}};
         });
       robots.push_back(robot);
     }

@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "fusion_report/report.h"
+
 namespace mrpt::config {
 class CConfigFileBase;
 }
@@ -33,6 +35,7 @@ struct LoadedMap {
   std::shared_ptr<const octomap::OcTree> octree;          ///< The map, or its edges as voxels
   std::shared_ptr<const mrpt::fusion::EdgeVoxels> edges;  ///< Edges; null if the map is whole
   std::shared_ptr<mrpt::maps::CMetricMap> mrpt;           ///< MRPT's map, if the file has one
+  std::vector<std::string> notes;  ///< Differences between the file and the map
 
   /** Prepares the map for matching. */
   mrpt::fusion::PreparedMap prepared(const mrpt::fusion::FeatureParams& params) const {
@@ -60,9 +63,8 @@ struct MapDefinition {
 
 /** A map that was built from a recording. */
 struct BuiltMap {
-  LoadedMap map;        ///< Without octree if the map is of another kind
-  size_t inserted = 0;  ///< Number of observations that changed the map
-  size_t ignored = 0;   ///< Number of all other observations
+  LoadedMap map;                                ///< Without octree if the map is of another kind
+  mrpt::fusion::ObservationCount observations;  ///< Observations with and without effect
 };
 
 /** A fusion to draw, see mrpt::fusion::FusionView. Nothing is owned. */

@@ -24,13 +24,16 @@ namespace {
 /** Returns a map to work on. \exception std::runtime_error If it is not a 3-D occupancy map. */
 LoadedMap workable(const CMetricMap::Ptr& map) {
   if (const auto* edges = dynamic_cast<const CEdgeVoxelMap*>(map.get()))
-    return {
-        std::make_shared<const octomap::OcTree>(edges->asOcTree()), {map, &edges->edges()}, map};
+    return {std::make_shared<const octomap::OcTree>(edges->asOcTree()),
+            {map, &edges->edges()},
+            map,
+            {}};
   const auto octomap = mrpt::fusion::asProbOctoMap(CMetricMap::ConstPtr(map));
   if (!octomap)
     throw std::runtime_error(std::string("a ") + map->GetRuntimeClass()->className +
                              " is not, and holds no, 3-D occupancy map");
-  return {{octomap, &octomap->octree()}, nullptr, std::const_pointer_cast<CProbOctoMap>(octomap)};
+  return {
+      {octomap, &octomap->octree()}, nullptr, std::const_pointer_cast<CProbOctoMap>(octomap), {}};
 }
 
 /** Returns the map as it was read, or else as one of our classes. */
@@ -40,15 +43,21 @@ CMetricMap::Ptr mrptMapOf(const LoadedMap& map) {
   return std::make_shared<CProbOctoMap>(*map.octree);
 }
 
-mrpt::fusion::BuildParams toParams(const MapDefinition& definition) {
-  return {definition.config, definition.section, definition.progress};
+/** \param[out] notes Receives the notes. It must outlive the result. */
+mrpt::fusion::BuildParams toParams(const MapDefinition& definition,
+                                   std::vector<std::string>& notes) {
+  return {definition.config, definition.section, definition.progress,
+          [&notes](const std::string& note) { notes.push_back(note); }};
 }
 
 class MapsOfModule : public MrptMaps {
  public:
   LoadedMap load(const std::string& path, const MapDefinition& definition) const override {
-    const CMetricMap::Ptr map = mrpt::fusion::loadAnyMap(path, toParams(definition));
-    return mrpt::fusion::withPath(path, [&] { return workable(map); });
+    std::vector<std::string> notes;
+    const CMetricMap::Ptr map = mrpt::fusion::loadAnyMap(path, toParams(definition, notes));
+    LoadedMap loaded = mrpt::fusion::withPath(path, [&] { return workable(map); });
+    loaded.notes = notes;
+    return loaded;
   }
 
   std::vector<Robot> loadMission(const std::string& path) const override {
@@ -79,12 +88,15 @@ class MapsOfModule : public MrptMaps {
   }
 
   BuiltMap build(const std::string& recording, const MapDefinition& definition) const override {
-    const auto built = mrpt::fusion::buildMap(recording, toParams(definition));
     LoadedMap map;
+    const auto built = mrpt::fusion::buildMap(recording, toParams(definition, map.notes));
     map.mrpt = built.map;
     if (const auto octomap = mrpt::fusion::asProbOctoMap(CMetricMap::ConstPtr(built.map)))
       map.octree = {octomap, &octomap->octree()};
-    return {map, built.inserted, built.ignored};
+    mrpt::fusion::ObservationCount observations{built.inserted, built.ignored, {}};
+    for (const auto& l : built.left_out)
+      observations.left_out.push_back({l.kind, l.reason, l.count});
+    return {map, observations};
   }
 
   void save(const LoadedMap& map, const std::string& path) const override {

@@ -78,7 +78,7 @@ void saveMap(const std::shared_ptr<const octomap::OcTree>& map, const std::strin
   if (extension == ".ot" || extension == ".bt" || path == mrpt::fusion::kStandardOutput)
     mrpt::fusion::saveOcTree(*map, path);
   else
-    mrptMaps().save({map, nullptr, nullptr}, path);
+    mrptMaps().save({map, nullptr, nullptr, {}}, path);
 }
 
 }  // namespace map_fusion

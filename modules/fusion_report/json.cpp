@@ -101,9 +101,14 @@ std::string toJson(const Report& r) {
                             {"mean_entropy_occupied_nats", s.mean_entropy_occupied},
                             {"mean_entropy_known_nats", s.mean_entropy_known}});
   }
-  if (r.observations)
-    json["observations"] = {{"inserted", r.observations->inserted},
-                            {"ignored", r.observations->ignored}};
+  if (r.observations) {
+    auto& observations = json["observations"];
+    observations = {{"inserted", r.observations->inserted}, {"ignored", r.observations->ignored}};
+    observations["left_out"] = Json::array();
+    for (const auto& l : r.observations->left_out)
+      observations["left_out"].push_back(
+          {{"kind", l.kind}, {"reason", l.reason}, {"count", l.count}});
+  }
   if (r.edges) json["edge_voxels"] = *r.edges;
   if (r.initial_pose) json["initial_pose"] = poseJson(*r.initial_pose);
   if (r.pose) json["pose"] = poseJson(*r.pose);

@@ -33,6 +33,14 @@ MapReport reportOn(const std::string& role, const std::string& path, const octom
 struct ObservationCount {
   size_t inserted = 0;  ///< Observations that changed the map
   size_t ignored = 0;   ///< All other observations
+
+  /** Observations of one class that were left out. */
+  struct LeftOut {
+    std::string kind;    ///< Class of the observations
+    std::string reason;  ///< Why they were left out
+    size_t count = 0;    ///< Number of observations
+  };
+  std::vector<LeftOut> left_out;  ///< Parts of ignored, by class and reason
 };
 
 /** All findings of a run. A field without a value does not apply to the command. */

@@ -85,9 +85,12 @@ void printMatch(const Alignment& info, std::ostream& out) {
 
 void print(const Report& r, std::ostream& out) {
   if (!r.maps.empty()) printMaps(r, out);
-  if (r.observations)
-    line(out, "observations     %zu inserted, %zu ignored", r.observations->inserted,
+  if (r.observations) {
+    line(out, "observations     %zu inserted, %zu left out", r.observations->inserted,
          r.observations->ignored);
+    for (const auto& l : r.observations->left_out)
+      line(out, "                 - %zu %s: %s", l.count, l.kind.c_str(), l.reason.c_str());
+  }
   if (r.edges) line(out, "edge voxels      %zu", *r.edges);
   if (r.initial_pose) line(out, "initial guess    %s", poseText(*r.initial_pose).c_str());
   if (r.pose)

@@ -8,7 +8,9 @@
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationImage.h>
 #include <mrpt/obs/CObservationPointCloud.h>
+#include <mrpt/obs/CObservationStereoImages.h>
 #include <mrpt/obs/CObservationVelodyneScan.h>
 
 #include <algorithm>
@@ -57,7 +59,8 @@ void addPoints(const mrpt::poses::CPose3D& frame, const CPointsMap& points, Rays
  * kind that cannot be inserted, or was made too far away, see Rays::canHold(). */
 std::optional<Rays> raysOf(const CObservation& obs, const mrpt::poses::CPose3D& robot,
                            double resolution) {
-  obs.load();  // the observation may be lazy-loaded
+  // The observation may be lazy-loaded. Pictures are not needed, and their files may be missing.
+  if (!IS_DERIVED(obs, CObservationImage) && !IS_DERIVED(obs, CObservationStereoImages)) obs.load();
   mrpt::poses::CPose3D sensor_on_robot;
   obs.getSensorPose(sensor_on_robot);
   const mrpt::poses::CPose3D sensor = robot + sensor_on_robot;

@@ -6,6 +6,8 @@
 #include <mrpt/system/filesystem.h>
 
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "fusion_base/error_text.h"
 #include "fusion_base/files.h"
@@ -21,8 +23,13 @@ namespace mrpt::fusion {
 
 CMetricMap::Ptr loadAnyMap(const std::string& path, const BuildParams& params) {
   return withPath(path, [&]() -> CMetricMap::Ptr {
-    if (isOcTreeFile(beginningOf(path)))
-      return std::make_shared<CProbOctoMap>(parseOcTreeFile(readFileBytes(path)));
+    if (isOcTreeFile(beginningOf(path))) {
+      std::vector<std::string> notes;
+      auto octree = parseOcTreeFile(readFileBytes(path), &notes);
+      if (params.note)
+        for (const auto& note : notes) params.note(note);
+      return std::make_shared<CProbOctoMap>(std::move(octree));
+    }
 
     const auto first = firstObject(path);
     if (isRecording(*first)) {

@@ -109,7 +109,7 @@ TEST(ReportAsJson, HoldsTheSameFiguresUnderDocumentedKeys) {
   report.pose.emplace().mean = mrpt::poses::CPose3D(1, 2, 3, mrpt::DEG2RAD(90.0), 0, 0);
   report.pose->cov(0, 0) = 0.25;
   report.match = rejectedMatch();
-  report.observations = {5, 2};
+  report.observations = {5, 2, {{"CObservationImage", "no map takes it", 2}}};
   report.seconds = {{"load", 0.5}};
   const Json j = Json::parse(toJson(report));
   EXPECT_EQ(j.at("command"), "match");
@@ -126,6 +126,11 @@ TEST(ReportAsJson, HoldsTheSameFiguresUnderDocumentedKeys) {
   EXPECT_EQ(j.at("match").at("voxels_b"), 20);
   EXPECT_EQ(j.at("observations").at("inserted"), 5);
   EXPECT_EQ(j.at("observations").at("ignored"), 2);
+  const Json& left_out = j.at("observations").at("left_out").at(0);
+  EXPECT_EQ(left_out.at("kind"), "CObservationImage");
+  EXPECT_EQ(left_out.at("reason"), "no map takes it");
+  EXPECT_EQ(left_out.at("count"), 2);
+  EXPECT_TRUE(contains(textOf(report), "- 2 CObservationImage: no map takes it\n"));
   EXPECT_EQ(j.at("seconds").at("load"), 0.5);
   for (const char* key : {"initial_pose", "robots", "bytes", "policy", "edge_voxels"})
     EXPECT_FALSE(j.contains(key)) << key;

@@ -17,13 +17,14 @@ bool runBuild(RunContext& run) {
   if (isOcTree(recording)) throw std::runtime_error(recording + ": is a map, not a recording");
   const auto built = mrptMaps().build(recording, run.mapDefinition());
   run.progress.clear();
+  for (const auto& note : built.map.notes) run.note(recording + ": " + note);
   run.endStep("build");
   if (run.args.output == mrpt::fusion::kStandardOutput && built.map.octree)
     saveMap(built.map.octree, run.args.output);
   else
     mrptMaps().save(built.map, run.args.output);
   run.endStep("save");
-  run.report.observations = {built.inserted, built.ignored};
+  run.report.observations = built.observations;
   if (built.map.octree)
     run.report.maps.push_back(mrpt::fusion::reportOn("map", run.args.output, *built.map.octree));
   return true;

@@ -27,7 +27,7 @@ bool runEdges(RunContext& run) {
       output == mrpt::fusion::kStandardOutput)
     mrpt::fusion::writeFileAtomically(output, toPly(*edges));
   else
-    mrptMaps().save({nullptr, edges, nullptr}, output);
+    mrptMaps().save({nullptr, edges, nullptr, {}}, output);
   run.endStep("save");
   return true;
 }

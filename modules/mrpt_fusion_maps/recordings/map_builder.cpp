@@ -9,21 +9,20 @@
 #include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/maps/TMetricMapTypesRegistry.h>
 #include <mrpt/obs/CActionCollection.h>
-#include <mrpt/obs/CObservationOdometry.h>
-#include <mrpt/obs/CObservationRobotPose.h>
 #include <mrpt/obs/CSensoryFrame.h>
-#include <mrpt/poses/CPose3DInterpolator.h>
 #include <mrpt/system/string_utils.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <stdexcept>
 #include <string_view>
 #include <vector>
 
 #include "fusion_base/error_text.h"
+#include "mrpt_fusion_maps/recordings/external_files.h"
+#include "mrpt_fusion_maps/recordings/left_out.h"
 #include "mrpt_fusion_maps/recordings/object_reader.h"
+#include "mrpt_fusion_maps/recordings/robot_path.h"
 
 using namespace mrpt::maps;
 using namespace mrpt::obs;
@@ -69,30 +68,37 @@ class Builder {
   }
 
   void insert(const CObservation& obs, const CPose3D& robot) {
-    obs.load();
+    loadExternalData(obs);
     if (maps_.insertObservation(obs, robot))
-      inserted_++;
+      counter_.countInserted(obs);
     else
-      ignored_++;
-    if (params_.progress) params_.progress(inserted_);
+      counter_.countNotTaken(obs);
+    if (params_.progress) params_.progress(counter_.inserted());
   }
-  void ignore() { ignored_++; }
+  void leaveOut(const std::string& kind, const std::string& reason, size_t count = 1) {
+    counter_.countLeftOut(kind, reason, count);
+  }
+  void note(const std::string& text) {
+    if (params_.note) params_.note(text);
+  }
 
   BuiltMap finish() {
-    if (inserted_ == 0)
-      throw std::runtime_error("no observation in it could be inserted in the map");
     BuiltMap built;
+    built.left_out = counter_.reasons();
+    if (counter_.inserted() == 0)
+      throw std::runtime_error("no observation in it could be inserted in the map" +
+                               (built.left_out.empty() ? "" : " (" + toText(built.left_out) + ")"));
     built.map = maps_.maps.size() == 1 ? CMetricMap::Ptr(maps_.maps.front())
                                        : std::make_shared<CMultiMetricMap>(maps_);
-    built.inserted = inserted_;
-    built.ignored = ignored_;
+    built.inserted = counter_.inserted();
+    built.ignored = counter_.leftOut();
     return built;
   }
 
  private:
   const BuildParams& params_;
   CMultiMetricMap maps_;
-  size_t inserted_ = 0, ignored_ = 0;
+  ObservationCounter counter_;
 };
 
 /** Inserts the observations of a frame. \exception std::runtime_error If an object of the frame is
@@ -114,26 +120,36 @@ void buildFromSimpleMap(const CSimpleMap& frames, Builder& builder) {
   }
 }
 
-/** Reads the path of the robot from a rawlog in the observations format. */
-mrpt::poses::CPose3DInterpolator readPath(const std::string& path) {
-  mrpt::poses::CPose3DInterpolator poses, odometry;
-  ObjectReader reader(path);
-  while (const auto object = reader.next()) {
-    if (const auto* pose = dynamic_cast<const CObservationRobotPose*>(object.get()))
-      poses.insert(pose->timestamp, pose->pose.mean);
-    else if (const auto* odo = dynamic_cast<const CObservationOdometry*>(object.get()))
-      odometry.insert(odo->timestamp, CPose3D(odo->odometry));
-  }
-  auto& known = poses.empty() ? odometry : poses;
-  known.setInterpolationMethod(mrpt::poses::imLinearSlerp);
-  return known;
+/** Inserts an observation of a rawlog of observations, or counts why it is left out. */
+void insertAlongPath(const CObservation& obs, const RobotPath& path, Builder& builder) {
+  if (path.empty())
+    throw std::runtime_error(
+        "has no robot poses (CObservationRobotPose, CObservationOdometry or actions) to place its "
+        "observations with");
+  if (const auto pose = path.poseFor(obs))
+    builder.insert(obs, *pose);
+  else
+    builder.leaveOut(ObservationCounter::kindOf(obs),
+                     path.hasNoTimes() || obs.timestamp == INVALID_TIMESTAMP
+                         ? "there is no robot pose before it in the log"
+                         : "there is no robot pose at its time");
 }
 
-void buildFromRawlog(const std::string& path, Builder& builder) {
-  const auto known_poses = readPath(path);
+void noteMissingTimes(const RobotPath& path, Builder& builder) {
+  if (path.empty()) return;
+  if (path.hasNoTimes())
+    builder.note(
+        "the robot poses have no time stamps: each observation is placed at the last pose before "
+        "it in the log");
+  builder.leaveOut(path.kind(), "it has no time stamp", path.posesWithoutTime());
+}
+
+void buildFromRawlog(const std::string& file, Builder& builder) {
+  RobotPath path(file);
+  noteMissingTimes(path, builder);
   CPose3D dead_reckoning;  // pose in the actions format
   bool has_actions = false;
-  ObjectReader reader(path);
+  ObjectReader reader(file);
   while (const auto object = reader.next()) {
     if (const auto* actions = dynamic_cast<const CActionCollection*>(object.get())) {
       CPose3D increment;
@@ -143,45 +159,24 @@ void buildFromRawlog(const std::string& path, Builder& builder) {
     } else if (const auto* frame = dynamic_cast<const CSensoryFrame*>(object.get())) {
       if (!has_actions) throw std::runtime_error("has observations but no robot movements");
       insertAll(*frame, dead_reckoning, builder);
-    } else if (dynamic_cast<const CObservationRobotPose*>(object.get()) ||
-               dynamic_cast<const CObservationOdometry*>(object.get())) {
-      continue;  // it is in known_poses
     } else if (const auto* obs = dynamic_cast<const CObservation*>(object.get())) {
-      if (known_poses.empty())
-        throw std::runtime_error(
-            "has no robot poses (CObservationRobotPose, CObservationOdometry or actions) to place "
-            "its observations with");
-      CPose3D pose;
-      bool valid = false;
-      known_poses.interpolate(obs->timestamp, pose, valid);
-      if (valid)
-        builder.insert(*obs, pose);
+      if (isRobotPose(*obs))
+        path.pass(*obs);
       else
-        builder.ignore();
+        insertAlongPath(*obs, path, builder);
     }
   }
-}
-
-/** Returns the directory of the external files of a rawlog, with a final '/': "<name>_Images" or
- * "Images" in the folder of the rawlog. CRawlog::detectImagesDirectory() returns it without the
- * '/'. */
-std::string imagesDirectoryOf(const std::string& rawlog) {
-  const std::filesystem::path file(rawlog);
-  const auto folder = std::filesystem::absolute(file).parent_path();
-  const auto own = folder / (file.stem().string() + "_Images");
-  return (std::filesystem::is_directory(own) ? own : folder / "Images").string() + "/";
 }
 
 }  // namespace
 
 BuiltMap buildFrom(const std::string& path, const CSerializable& first, const BuildParams& params) {
   Builder builder(params);
-  if (const auto* frames = dynamic_cast<const CSimpleMap*>(&first)) {
+  mrpt::img::CImage::setImagesPathBase(imagesDirectoryOf(path));
+  if (const auto* frames = dynamic_cast<const CSimpleMap*>(&first))
     buildFromSimpleMap(*frames, builder);
-  } else {
-    mrpt::img::CImage::setImagesPathBase(imagesDirectoryOf(path));
+  else
     buildFromRawlog(path, builder);
-  }
   return builder.finish();
 }
 

@@ -26,25 +26,36 @@ struct BuildParams {
   std::string section = "MappingApplication";  ///< Section of \a config
   /** Called with the number of inserted observations, if set. */
   std::function<void(size_t inserted)> progress;
+  /** Called with a sentence for each difference between a file and its map, if set. */
+  std::function<void(const std::string& note)> note;
+};
+
+/** Observations of one class that a map was built without. */
+struct LeftOut {
+  std::string kind;    ///< Class of the observations, for example "CObservationImage"
+  std::string reason;  ///< Why they were left out
+  size_t count = 0;    ///< Number of observations
 };
 
 /** The result of buildMap(). */
 struct BuiltMap {
   /** The map. It is a CMultiMetricMap if the definition has several maps. */
   mrpt::maps::CMetricMap::Ptr map;
-  size_t inserted = 0;  ///< Number of observations that changed the map
-  size_t ignored = 0;   ///< Number of observations of other kinds, or without a known pose
+  size_t inserted = 0;            ///< Number of observations that changed the map
+  size_t ignored = 0;             ///< Number of all other observations, the sum of left_out
+  std::vector<LeftOut> left_out;  ///< Observations that were left out, by class and reason
 };
 
 /** Builds a map from a simplemap or a rawlog. The file may be gz-compressed.
  *
  * A simplemap has the poses of its frames. A rawlog must have poses of the robot. In the
  * observations format they are CObservationRobotPose or, if there are none, CObservationOdometry,
- * and they are interpolated to the time of each observation. In the actions format they are robot
- * movements, which are added up. Lazy-load observations are loaded from the images directory of the
- * rawlog. \exception std::runtime_error "<path>: <reason>" if the file is of another kind, is
- * truncated or has no poses, or if the definition has no map or a map class that MRPT does not
- * know.
+ * and they are interpolated to the time of each observation. Without time stamps each observation
+ * is at the last pose before it in the log. In the actions format they are robot movements, which
+ * are added up. Ranges and points in external files are loaded from "<name>_Images" or "Images"
+ * beside the recording. Pictures are loaded only if a map reads them. \exception std::runtime_error
+ * "<path>: <reason>" if the file is of another kind, is truncated or has no poses, if an external
+ * file is missing, or if the definition has no map or a map class that MRPT does not know.
  */
 MRPT_FUSION_API BuiltMap buildMap(const std::string& path, const BuildParams& params = {});
 
