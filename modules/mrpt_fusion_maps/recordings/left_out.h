@@ -32,7 +32,8 @@ class ObservationCounter {
   std::vector<LeftOut> reasons() const;
 
   static std::string kindOf(const mrpt::obs::CObservation& obs) {
-    return obs.GetRuntimeClass()->className;
+    const std::string name = obs.GetRuntimeClass()->className;  // with namespaces
+    return name.substr(name.rfind(':') + 1);
   }
 
  private:
