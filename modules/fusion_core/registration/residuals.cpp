@@ -12,6 +12,7 @@
 
 #include "fusion_base/bits.h"
 #include "fusion_base/parallel.h"
+#include "fusion_base/whole_number.h"
 #include "fusion_core/features/uncertainty.h"
 
 namespace mrpt::fusion {
@@ -118,7 +119,7 @@ GradientScatter scatterOf(const std::vector<Eigen::Vector3f>& b, const Pairs& pa
     const Eigen::Vector3d s = b[p.b].cast<double>(), q = T * s;
     const auto [e, W] = term(p, q);
     const Eigen::Vector3d We = matrixOf(W) * e;
-    const auto part = [side](double x) { return static_cast<int>(std::floor(x / side)); };
+    const auto part = [side](double x) { return toWhole(std::floor(x / side)); };
     const auto found =
         patches.try_emplace({part(s.x()), part(s.y()), part(s.z())}, Vector6d::Zero());
     Vector6d& g = found.first->second;

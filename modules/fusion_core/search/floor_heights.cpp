@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "fusion_base/whole_number.h"
+
 namespace mrpt::fusion {
 
 std::optional<FloorAlignment> alignFloors(const std::vector<double>& layers_a, int low_a,
                                           const std::vector<double>& layers_b, int low_b,
                                           double step, double most, double share) {
-  const int reach = static_cast<int>(std::min(most / step, 1e6));
+  const int reach = toWhole(std::min(most / step, 1e6));
   const int first = std::max(-reach, low_a - low_b - static_cast<int>(layers_b.size()));
   std::vector<double> fit;
   for (int s = first; s <= std::min(reach, low_a - low_b + static_cast<int>(layers_a.size()));

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "fusion_base/parallel.h"
+#include "fusion_base/whole_number.h"
 #include "fusion_core/search/floor_heights.h"
 #include "fusion_core/search/pose_lattice.h"
 #include "fusion_core/search/score_grid.h"
@@ -211,7 +212,7 @@ class PoseSearch {
    * wide cells, the floors could miss each other by half a cell at all places of the lattice. */
   void alignHeights() {
     const double step = std::max(a_.voxels.resolution, 0.25 * lattice_.cell);
-    const auto layerOf = [step](double z) { return static_cast<int>(std::floor(z / step)); };
+    const auto layerOf = [step](double z) { return toWhole(std::floor(z / step)); };
     const Eigen::AlignedBox3d box_b = boxOf(points_, lattice_.T_a_b);
     const int low_a = layerOf(box_a_.min().z()), low_b = layerOf(box_b.min().z());
     std::vector<double> layers_a(static_cast<size_t>(layerOf(box_a_.max().z()) - low_a + 1));
@@ -235,7 +236,7 @@ class PoseSearch {
   /** Returns the yaws to try: all yaws around a guess; without a guess, yaws that lay walls along
    * walls. */
   std::vector<int> yawsAt(const Lattice& lattice) const {
-    const int most = static_cast<int>(std::ceil(std::min(params_.yaw, M_PI) / lattice.yaw_step));
+    const int most = toWhole(std::ceil(std::min(params_.yaw, M_PI) / lattice.yaw_step));
     std::vector<int> yaws;
     for (int yaw = -most; yaw <= most; yaw++)
       if (!walls_ || walls_->arePlausible(yaw * lattice.yaw_step, lattice.yaw_step))
@@ -264,8 +265,8 @@ class PoseSearch {
           std::max(nearest, std::floor((box_a_.min()[axis] - box_b.max()[axis]) / cell));
       const double high =
           std::min(farthest, std::ceil((box_a_.max()[axis] - box_b.min()[axis]) / cell));
-      w.low[axis] = static_cast<int>(low);
-      w.size[axis] = static_cast<int>(std::max(0.0, high - low + 1));
+      w.low[axis] = toWhole(low);
+      w.size[axis] = toWhole(std::max(0.0, high - low + 1));
     }
     return w;
   }
@@ -283,13 +284,13 @@ class PoseSearch {
   }
 
   int stepsOfATurn(unsigned level) const {
-    return static_cast<int>(std::lround(2 * M_PI / lattice_.level(level).yaw_step));
+    return toWhole(std::round(2 * M_PI / lattice_.level(level).yaw_step));
   }
   Near same(unsigned level) const { return {1, 1, stepsOfATurn(level)}; }
   /** Test for equal final places. */
   Near another() const {
     return {static_cast<int>(params_.distinct_cells),
-            static_cast<int>(params_.distinct_yaw / lattice_.yaw_step), stepsOfATurn(0)};
+            toWhole(params_.distinct_yaw / lattice_.yaw_step), stepsOfATurn(0)};
   }
 
   std::vector<Place> exhaustive(const ScoreGrid& grid, unsigned level, const Points& points,

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "fusion_base/whole_number.h"
 #include "fusion_core/map/map_voxels.h"
 #include "fusion_octree/build.h"
 
@@ -34,9 +35,8 @@ class ScoreGrid {
     unsigned level;
 
     Cell cellOf(const Eigen::Vector3d& p) const {
-      return {static_cast<int>(std::floor(p.x() / cell)),
-              static_cast<int>(std::floor(p.y() / cell)),
-              static_cast<int>(std::floor(p.z() / cell))};
+      return {toWhole(std::floor(p.x() / cell)), toWhole(std::floor(p.y() / cell)),
+              toWhole(std::floor(p.z() / cell))};
     }
     Cell cellOf(const octomap::OcTreeKey& key) const {
       const auto part = [this](octomap::key_type k) {

@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "fusion_base/parallel.h"
+#include "fusion_base/whole_number.h"
 #include "fusion_core/map/occupancy_query.h"
 #include "fusion_core/registration/pose_covariance.h"
 
@@ -53,7 +54,7 @@ std::string percent(double ratio) {
 size_t countInVoxelsOf(double size, const OccupiedVoxels& voxels) {
   std::vector<std::array<int, 3>> taken(voxels.size());
   std::transform(voxels.centre.begin(), voxels.centre.end(), taken.begin(), [&](const auto& p) {
-    const auto at = [&](unsigned axis) { return static_cast<int>(std::floor(p[axis] / size)); };
+    const auto at = [&](unsigned axis) { return toWhole(std::floor(p[axis] / size)); };
     return std::array<int, 3>{at(0), at(1), at(2)};
   });
   std::sort(taken.begin(), taken.end());
