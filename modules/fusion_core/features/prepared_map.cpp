@@ -16,6 +16,7 @@
 #include "fusion_core/features/parameters.h"
 #include "fusion_core/map/map_scale.h"
 #include "fusion_octree/files.h"
+#include "fusion_octree/resolution.h"
 
 namespace mrpt::fusion {
 namespace {
@@ -46,6 +47,7 @@ struct PreparedMap::Prepared {
   Prepared(std::shared_ptr<const octomap::OcTree> map, const FeatureParams& p,
            std::optional<EdgeVoxels> edges)
       : octree(std::move(map)), params(p), edges_alone(std::move(edges)) {
+    checkResolution(octree->getResolution());
     if (edges_alone) {
       features = featuresOfEdges(octree, *octree, *edges_alone);
       features.scale = scaleOf(features.voxels, params.scale);

@@ -2,6 +2,7 @@
 /** \file
  * Converts poses and covariances, and derives search parameters from priors. */
 #include <mrpt/core/exceptions.h>
+#include <mrpt/core/format.h>
 #include <mrpt/fusion/poses.h>
 
 #include <algorithm>
@@ -46,13 +47,27 @@ mrpt::poses::CPose3DPDFGaussian mrpt::fusion::noGuess() {
   return prior;
 }
 
+namespace {
+
+void checkGuess(const CPose3D& guess) {
+  const Eigen::Isometry3d T = toEigen(guess);
+  ASSERTMSG_(T.matrix().allFinite(), "the initial guess is not a pose");
+  const double farthest = T.translation().cwiseAbs().maxCoeff();
+  ASSERTMSG_(farthest <= kMostCoordinate,
+             mrpt::format("the initial guess is out of range: a coordinate of %g m", farthest));
+}
+
+}  // namespace
+
 Prior Prior::none() { return {noGuess(), Checked()}; }
 
 Prior Prior::near(const CPose3D& guess) {
+  checkGuess(guess);
   return {mrpt::poses::CPose3DPDFGaussian(guess), Checked()};
 }
 
 Prior Prior::gaussian(const mrpt::poses::CPose3DPDFGaussian& guess) {
+  checkGuess(guess.mean);
   ASSERTMSG_(guess.cov.asEigen().allFinite() && guess.cov.asEigen().diagonal().minCoeff() >= 0,
              "the covariance of the initial guess is not finite or has a negative variance");
   return {guess, Checked()};

@@ -148,5 +148,17 @@ TEST(Prior, RefusesACovarianceThatIsNone) {
   EXPECT_THROW(Prior::gaussian(guess), std::exception) << "off the diagonal";
 }
 
+TEST(Prior, RefusesAGuessOutOfRange) {
+  for (const double far : {1e9, -1e18, std::numeric_limits<double>::quiet_NaN(),
+                           std::numeric_limits<double>::infinity()})
+    for (unsigned axis = 0; axis < 3; axis++) {
+      CPose3D guess(1, 2, 3, 0.4, 0, 0);
+      guess.m_coords[axis] = far;
+      EXPECT_THROW(Prior::near(guess), std::exception) << far;
+      EXPECT_THROW(Prior::gaussian(CPose3DPDFGaussian(guess)), std::exception) << far;
+    }
+  EXPECT_NO_THROW(Prior::near(CPose3D(5e6, -4e6, 100, 1, 0, 0))) << "a place on the earth";
+}
+
 }  // namespace
 }  // namespace mrpt::fusion::test

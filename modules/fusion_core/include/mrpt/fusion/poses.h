@@ -25,6 +25,9 @@ MRPT_FUSION_API mrpt::poses::CPose3D toPose(const Eigen::Isometry3d& T);
 MRPT_FUSION_API Matrix6d toYawPitchRollCovariance(const Matrix6d& covariance,
                                                   const Eigen::Isometry3d& T);
 
+/** Largest coordinate of a pose from outside, m. Coordinates on the earth are below 1e7 m. */
+constexpr double kMostCoordinate = 1e8;
+
 /** Standard deviation of an unknown position, m. */
 constexpr double kUnknownPoseSigma = 1000;
 
@@ -36,11 +39,14 @@ class MRPT_FUSION_API Prior {
  public:
   /** Returns the prior of an unknown pose: the search goes everywhere. Both maps are upright. */
   static Prior none();
-  /** Returns the prior of a guess without a covariance: the options bound the search. */
+  /** Returns the prior of a guess without a covariance: the options bound the search.
+   * \exception std::exception If a number of the guess is not finite or a coordinate is above
+   * kMostCoordinate. */
   static Prior near(const mrpt::poses::CPose3D& guess);
   /** A guess and how good it is: the search goes kSearchSigmas standard deviations far in position,
    * height and yaw; everywhere if that is kUnknownPoseSigma or more; as near() if the covariance is
-   * zero. \exception std::exception If the covariance is not finite or has a negative variance. */
+   * zero. \exception std::exception As near(), or if the covariance is not finite or has a negative
+   * variance. */
   static Prior gaussian(const mrpt::poses::CPose3DPDFGaussian& guess);
   /** Converts MRPT's Gaussian, as gaussian(). */
   Prior(const mrpt::poses::CPose3DPDFGaussian& guess)  // NOLINT(google-explicit-constructor)

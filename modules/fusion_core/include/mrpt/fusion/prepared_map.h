@@ -43,6 +43,7 @@ class MRPT_FUSION_API PreparedMap {
    * \param[in] octree The map. It is shared and must not change afterwards.
    * \param[in] params Settings of the features.
    * \exception std::invalid_argument If the map is null.
+   * \exception std::runtime_error If the voxel size is not in [1e-4, 1e6] m.
    * \exception std::length_error If the map has more than kMaxVoxels occupied voxels. */
   explicit PreparedMap(std::shared_ptr<const octomap::OcTree> octree,
                        const FeatureParams& params = {});
