@@ -4,9 +4,13 @@
 #include "fusion_octree/resampling.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <memory>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -23,6 +27,44 @@ using octomap::OcTreeNode;
 /** Side of the key space, and key of the frame's origin, voxels. */
 constexpr double kGridSide = 65536.0;
 constexpr double kGridOrigin = 32768.0;
+
+/** Bounds the work of all copies of itself together. Whether they throw does not depend on the
+ * number of threads. */
+class WorkBudget {
+ public:
+  explicit WorkBudget(uint64_t most)
+      : most_(most), left_(std::make_shared<std::atomic<int64_t>>(static_cast<int64_t>(most))) {}
+
+  /** \exception std::length_error If all copies together have taken more than the budget. */
+  void take(uint64_t work) {
+    constexpr uint64_t kPiece = 4096;  // so that threads do not wait for each other
+    taken_ += work;
+    if (taken_ < kPiece) return;
+    if (left_->fetch_sub(static_cast<int64_t>(taken_)) < static_cast<int64_t>(taken_))
+      throw std::length_error(
+          "the map has few nodes and large cubes: to turn or refine them takes more than " +
+          std::to_string(most_) + " voxels");
+    taken_ = 0;
+  }
+
+ private:
+  uint64_t most_;  // work of all copies
+  std::shared_ptr<std::atomic<int64_t>> left_;
+  uint64_t taken_ = 0;  // work of this copy since it was last counted
+};
+
+/** Returns the largest work for an octree, in voxels that are looked up. A tiny file can hold a
+ * leaf with billions of voxels on its faces. The nodes of a map that was seen by a sensor need a
+ * fraction of this work. */
+uint64_t mostWorkFor(const OcTree& source, double resolution) {
+  constexpr uint64_t kLeast = uint64_t{1} << 25U;  // 1 s, 250 MB
+  // A node of the source meets few blocks of 4 x 4 x 4 new voxels, and more of them if the new
+  // voxels are finer.
+  constexpr double kPerBlock = 128, kFinest = 8;
+  const double finer = std::clamp(source.getResolution() / resolution, 0.0, kFinest);
+  const double per_node = kPerBlock * std::pow(1 + finer / 4, 3);
+  return kLeast + static_cast<uint64_t>(per_node * static_cast<double>(source.size()));
+}
 
 /** A piece of the source's known space: a node with its cube. */
 struct Piece {
@@ -81,13 +123,15 @@ class ResamplingVisitor {
     bool owns_ = true;
   };
 
-  ResamplingVisitor(const OcTree& source, const Eigen::Isometry3d& T_src_dst, double resolution)
-      : source_(source) {
+  ResamplingVisitor(const OcTree& source, const Eigen::Isometry3d& T_src_dst, double resolution,
+                    const WorkBudget& budget)
+      : source_(source), budget_(budget) {
     // From voxel units of the new grid to voxel units of the source grid.
     scale_ = resolution / source.getResolution();
     rotation_ = T_src_dst.linear();
     translation_ = T_src_dst.translation() / source.getResolution();
     samples_per_axis_ = std::max(1, static_cast<int>(std::ceil(scale_ - 1e-9)));
+    work_per_voxel_ = 1 + static_cast<uint64_t>(std::pow(samples_per_axis_, 3) / kSamplesPerWork);
     half_extent_per_side_ = 0.5 * scale_ * rotation_.cwiseAbs().rowwise().sum();
   }
 
@@ -110,7 +154,7 @@ class ResamplingVisitor {
     return s;
   }
 
-  OcTreeFill visit(const OcTreeCube& cube, const State& s) const {
+  OcTreeFill visit(const OcTreeCube& cube, const State& s) {
     if (s.size() == 0) return OcTreeFill::unknown();
     if (cube.depth > kSampledDepth)
       return cube.depth < OcTreeCube::kMaxDepth ? OcTreeFill::split() : sample(cube, s);
@@ -123,6 +167,8 @@ class ResamplingVisitor {
   /** Depth of the cubes of 4 x 4 x 4 voxels whose pieces all their voxels use. A selection of
    * pieces for each smaller cube costs more than a search in all pieces of this cube. */
   static constexpr unsigned kSampledDepth = OcTreeCube::kMaxDepth - 2;
+  /** Number of samples that take as long as to make a voxel. */
+  static constexpr double kSamplesPerWork = 16;
 
   Eigen::Vector3d toSource(const Eigen::Vector3d& p_new_grid) const {
     const Eigen::Vector3d p = (p_new_grid.array() - kGridOrigin).matrix() * scale_;
@@ -166,7 +212,8 @@ class ResamplingVisitor {
     return covered >= (box.high - box.low).prod() * (1 - 1e-9);
   }
 
-  OcTreeFill sample(const OcTreeCube& voxel, const State& s) const {
+  OcTreeFill sample(const OcTreeCube& voxel, const State& s) {
+    budget_.take(work_per_voxel_);
     float highest = -std::numeric_limits<float>::infinity();
     const int n = samples_per_axis_;
     for (int z = 0; z < n; z++)
@@ -207,6 +254,8 @@ class ResamplingVisitor {
   }
 
   const OcTree& source_;
+  WorkBudget budget_;
+  uint64_t work_per_voxel_;
   std::vector<Piece> stack_;
   double scale_;
   Eigen::Matrix3d rotation_;
@@ -275,7 +324,8 @@ void addOccupiedLeaves(const OcTree& map, const Piece& piece, std::vector<Piece>
 
 /** Adds lost obstacles to \a grown. An occupied source voxel is lost if no voxel of \a grown within
  * half a voxel diagonal is occupied. The voxel of \a grown at its centre then gets its value. */
-void keepThinObstacles(const OcTree& source, const Eigen::Isometry3d& T, OcTree& grown) {
+void keepThinObstacles(const OcTree& source, const Eigen::Isometry3d& T, const WorkBudget& budget,
+                       OcTree& grown) {
   // A source voxel more than sqrt(3) times as wide as the new voxels always contains a new centre.
   if (source.getResolution() > std::sqrt(3.0) * grown.getResolution()) return;
   std::vector<Piece> leaves;
@@ -288,8 +338,10 @@ void keepThinObstacles(const OcTree& source, const Eigen::Isometry3d& T, OcTree&
   constexpr size_t kGrain = 1024;
   std::vector<std::vector<Lost>> lost((leaves.size() + kGrain - 1) / kGrain);
   tbb::parallel_for(size_t{0}, lost.size(), [&](size_t g) {
+    WorkBudget own = budget;
     for (size_t i = g * kGrain; i < std::min((g + 1) * kGrain, leaves.size()); i++)
       forEachFaceVoxel(source, leaves[i].cube, [&](const Eigen::Vector3d& centre) {
+        own.take(1);
         const Eigen::Vector3d p = T * centre;
         const OcTreeKey home = grown.coordToKey(p.x(), p.y(), p.z());
         if (!hasObstacleNear(grown, home, p))
@@ -325,8 +377,10 @@ std::unique_ptr<OcTree> transformOcTree(const OcTree& source, const Eigen::Isome
 
   auto result = std::make_unique<OcTree>(resolution);
   OcTreeAccess::setSensorModel(*result, OcTreeAccess::sensorModel(source));
-  buildOcTreeInParallel(*result, ResamplingVisitor(source, T_dst_src.inverse(), resolution));
-  keepThinObstacles(source, T_dst_src, *result);
+  const WorkBudget budget(mostWorkFor(source, resolution));
+  buildOcTreeInParallel(*result,
+                        ResamplingVisitor(source, T_dst_src.inverse(), resolution, budget));
+  keepThinObstacles(source, T_dst_src, budget, *result);
   return result;
 }
 

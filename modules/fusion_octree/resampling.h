@@ -33,6 +33,8 @@ namespace mrpt::fusion {
  * source, not clamped and not mixed.
  * \exception std::invalid_argument If T_dst_src is not finite, or if the resolution is not positive
  * or more than 64 times the resolution of the source.
+ * \exception std::length_error If the work is out of proportion to the nodes of the source: more
+ * than 33 million voxels and some hundred voxels per node. A leaf of 2^36 voxels is an example.
  * \exception std::out_of_range If the moved map leaves the new grid (2^15 voxels from its origin).
  *
  * Cost: proportional to the number of voxels at the *boundaries* between leaves of different

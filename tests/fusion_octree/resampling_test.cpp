@@ -493,6 +493,33 @@ TEST(TransformOcTree, ALargeLeafIsTurnedAtTheCostOfItsFaces) {
   EXPECT_LT(result->size(), 6U * 256 * 256 * 3);
 }
 
+TEST(TransformOcTree, ALeafWithBillionsOfFaceVoxelsIsAnError) {
+  for (const unsigned depth : {4U, 5U})
+    for (const float log_odds : {-1.5F, 1.5F}) {
+      OcTree source(0.1);
+      putLeaf(source, {0, 0, 0}, depth, log_odds);
+      finish(source);
+      const Isometry3d turned = pose(3.3, -1.2, 0.4, 0.5, 0.1, 0);
+      EXPECT_THROW(transformOcTree(source, turned, 0.1), std::length_error) << depth;
+      EXPECT_NO_THROW(transformOcTree(source, pose(0, 0, 0, 0), 0.1)) << depth;
+    }
+}
+
+TEST(TransformOcTree, UnprunedLeavesWithBillionsOfFaceVoxelsAreAnError) {
+  OcTree source(0.1);
+  for (int x = 0; x < 32; x++)
+    for (int y = 0; y < 32; y++)
+      for (int z = 0; z < 16; z++) putLeaf(source, {64 * x, 64 * y, 64 * z}, 10, 1.5F);
+  EXPECT_THROW(transformOcTree(source, pose(0.05, 0, 0, 0), 0.1), std::length_error);
+}
+
+TEST(TransformOcTree, AMapMayBeRefinedAndCoarsened) {
+  const auto source = sceneTree(0.1, 4);
+  for (const double resolution : {0.0125, 0.8, 3.2})
+    EXPECT_NO_THROW(transformOcTree(*source, pose(1, 2, 0.3, 0.5, 0.1, 0.2), resolution))
+        << resolution;
+}
+
 // ---------------------------------------------------------------- the grid's edge, bad arguments
 
 TEST(TransformOcTree, AMapThatReachesTheGridsEdgesFits) {

@@ -16,12 +16,19 @@
 namespace mrpt::fusion {
 namespace {
 
+/** Returns the largest number of occupied voxels for an octree. A tiny file can hold leaves with
+ * billions of voxels. In a map that was seen by a sensor, most occupied leaves are one voxel. */
+size_t mostVoxelsFor(const octomap::OcTree& map, size_t max_voxels) {
+  constexpr size_t kLeast = 4'000'000, kPerNode = 64;
+  return std::min(max_voxels, kLeast + kPerNode * map.size());
+}
+
 /** One traversal of an octree that collects occupied and free voxels. */
 class Extraction {
  public:
   /** \param[out] free Receives the free space; may be null. */
   Extraction(const octomap::OcTree& map, size_t max_voxels, FreeSpace* free)
-      : map_(map), max_voxels_(max_voxels), free_(free) {
+      : map_(map), max_voxels_(mostVoxelsFor(map, max_voxels)), free_(free) {
     voxels_.resolution = map.getResolution();
     // More than most maps need, so that the arrays do not grow. Unused memory is not touched.
     const size_t enough = map.size() / 4;
@@ -84,7 +91,8 @@ class Extraction {
     const uint64_t volume = uint64_t{1} << (3 * (OcTreeCube::kMaxDepth - cube.depth));
     if (volume > max_voxels_ - voxels_.size())
       throw std::length_error("the map has more than " + std::to_string(max_voxels_) +
-                              " occupied voxels");
+                              " occupied voxels: too many for a map of " +
+                              std::to_string(map_.size()) + " nodes");
     const auto probability = static_cast<float>(probability_(leaf.getLogOdds()));
     forEachVoxel(cube, [&](const octomap::OcTreeKey& key) {
       voxels_.centre.emplace_back(static_cast<float>(map_.keyToCoord(key[0])),

@@ -109,6 +109,18 @@ TEST(ExtractOccupiedVoxels, RefusesAHugeLeafBeforeTakingMemoryForIt) {
   EXPECT_EQ(extractOccupiedVoxels(*rootLeaf(kFree)).size(), 0);
 }
 
+TEST(ExtractOccupiedVoxels, RefusesMoreVoxelsThanAMapOfSoFewNodesCanHave) {
+  const auto leafAt = [](unsigned depth) {
+    auto tree = rootLeaf(kOccupied);
+    auto* node = tree->getRoot();
+    for (unsigned d = 0; d < depth; d++) node = tree->createNodeChild(node, d == 0 ? 7 : 0);
+    node->setLogOdds(kOccupied);
+    return tree;
+  };
+  EXPECT_THROW(extractOccupiedVoxels(*leafAt(8)), std::length_error);  // 16.8 million voxels
+  EXPECT_EQ(extractOccupiedVoxels(*leafAt(9)).size(), 2'097'152);
+}
+
 // ---------------------------------------------------------------- known space
 
 TEST(KnownSpace, IsTheBoxOfAllLeavesAsOctomapHasIt) {

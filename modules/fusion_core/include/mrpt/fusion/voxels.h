@@ -33,7 +33,8 @@ struct OccupiedVoxels {
  * leaves are expanded. Cost: one traversal, O(nodes + voxels).
  * \param[in] map An octree.
  * \param[in] max_voxels Largest number of voxels.
- * \exception std::length_error If the map has more occupied voxels than max_voxels. */
+ * \exception std::length_error If the map has more occupied voxels than max_voxels, or more than 4
+ * million and 64 per node: a tiny file can hold leaves with billions of voxels. */
 MRPT_FUSION_API OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map,
                                                      size_t max_voxels = kMaxVoxels);
 
