@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
+#include <memory>
 #include <numeric>
 #include <stdexcept>
 #include <unordered_map>
@@ -20,6 +22,8 @@ namespace mrpt::fusion {
 namespace {
 
 using octomap::OcTreeNode;
+
+constexpr uint64_t kMostValues = 1U << 16U;  // in the table of distinct values
 
 uint32_t bitsOf(float value) {
   uint32_t bits;
@@ -114,7 +118,7 @@ std::string flatten(const Parts& parts) {
 
   // If nearly all leaves have distinct values, a table would only add data.
   std::vector<uint32_t> table = tableOf(parts.leaves);
-  if (table.size() > 1U << 16U || table.size() > parts.leaves.size() / 4 + 1) table.clear();
+  if (table.size() > kMostValues || table.size() > parts.leaves.size() / 4 + 1) table.clear();
   append(table.size(), out);
   appendPlanes(table, sizeof(float), out);
   if (table.empty()) {
@@ -130,21 +134,44 @@ std::string flatten(const Parts& parts) {
   return out;
 }
 
+/** The sizes of the parts, at the beginning of the data. */
+struct Counts {
+  uint64_t masks = 0, leaves = 0, exceptions = 0;
+
+  /** Returns the largest size of data with these counts, bytes. */
+  uint64_t mostBytes() const {
+    return 4 * sizeof(uint64_t) + masks + (leaves + kMostValues) * sizeof(float) +
+           exceptions * (sizeof(uint64_t) + sizeof(float));
+  }
+};
+
+Counts takeCounts(ByteReader& in, size_t most_nodes) {
+  Counts n;
+  n.masks = in.take<uint64_t>();
+  n.leaves = in.take<uint64_t>();
+  n.exceptions = in.take<uint64_t>();
+  for (const uint64_t count : {n.masks, n.leaves, n.exceptions})
+    if (count > most_nodes) corrupt("the map's data is corrupt: too many nodes");
+  return n;
+}
+
 /** Builds an octree from its parts. */
 class Unflattening {
  public:
-  Unflattening(std::string_view bytes, octomap::OcTree& tree) : tree_(tree) {
+  Unflattening(std::string_view bytes, octomap::OcTree& tree, size_t most_nodes) : tree_(tree) {
     ByteReader in(bytes);
-    const auto masks = in.take<uint64_t>(), leaves = in.take<uint64_t>(),
-               exceptions = in.take<uint64_t>();
-    for (const uint64_t n : {masks, leaves, exceptions})
-      if (n > kMostCompressedNodes) corrupt("the map's data is corrupt: too many nodes");
+    const auto [masks, leaves, exceptions] = takeCounts(in, most_nodes);
     masks_ = in.takeBytes(masks);
+    const auto inner = masks - static_cast<uint64_t>(std::count(masks_.begin(), masks_.end(), 0));
+    if (inner + leaves > most_nodes) corrupt("the map's data is corrupt: too many nodes");
+    if (exceptions > inner) corruptStructure();
+    if (in.size() < exceptions * (sizeof(uint64_t) + sizeof(float)))
+      corrupt("the map's data is truncated");
     exceptions_.resize(exceptions);
     for (auto& e : exceptions_) e.node = in.take<uint64_t>();
     for (auto& e : exceptions_) e.value = in.take<float>();
     const auto table_size = in.take<uint64_t>();
-    if (table_size > 1U << 16U) corrupt("the map's data is corrupt: its table of values");
+    if (table_size > kMostValues) corrupt("the map's data is corrupt: its table of values");
     const auto table = takePlanes(in, table_size, sizeof(float));
     leaves_ = takePlanes(in, leaves, table.empty() ? sizeof(float) : bytesFor(table.size()));
     if (!table.empty())
@@ -218,25 +245,29 @@ std::string compressed(std::string_view bytes) {
   return out;
 }
 
-std::string decompressed(std::string_view bytes) {
+std::string decompressed(std::string_view bytes, size_t most_nodes) {
   constexpr uint64_t kMemory = uint64_t{1} << 28U;
-  // Largest size: a mask and a value for each node, or a value without a table.
-  constexpr size_t kMost = 16 * kMostCompressedNodes;
+  uint64_t most = std::numeric_limits<uint64_t>::max();  // known from the first block on
   lzma_stream stream = LZMA_STREAM_INIT;
+  const std::unique_ptr<lzma_stream, decltype(&::lzma_end)> end(&stream, &::lzma_end);
   if (::lzma_stream_decoder(&stream, kMemory, 0) != LZMA_OK) throw std::bad_alloc();
   stream.next_in = reinterpret_cast<const uint8_t*>(bytes.data());
   stream.avail_in = bytes.size();
   std::string out;
   std::vector<uint8_t> block(size_t{1} << 18U);
   lzma_ret state = LZMA_OK;
-  while (state == LZMA_OK && out.size() <= kMost) {
+  while (state == LZMA_OK && out.size() <= most) {
     stream.next_out = block.data();
     stream.avail_out = block.size();
     state = ::lzma_code(&stream, LZMA_FINISH);
+    const bool is_first = out.empty();
     out.append(block.begin(), block.end() - static_cast<ptrdiff_t>(stream.avail_out));
+    if (is_first && out.size() == block.size()) {
+      ByteReader in(out);
+      most = takeCounts(in, most_nodes).mostBytes();
+    }
   }
   const bool all_taken = stream.avail_in == 0;
-  ::lzma_end(&stream);
   if (state != LZMA_STREAM_END || !all_taken)
     corrupt("the map's compressed data is truncated or damaged");
   return out;
@@ -250,9 +281,9 @@ std::string compressNodes(const octomap::OcTree& tree) {
   return compressed(flatten(parts));
 }
 
-void decompressNodes(std::string_view bytes, octomap::OcTree& tree) {
-  const std::string flat = decompressed(bytes);
-  Unflattening(flat, tree).run();
+void decompressNodes(std::string_view bytes, octomap::OcTree& tree, size_t most_nodes) {
+  const std::string flat = decompressed(bytes, most_nodes);
+  Unflattening(flat, tree, most_nodes).run();
 }
 
 }  // namespace mrpt::fusion

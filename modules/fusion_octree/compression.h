@@ -21,13 +21,15 @@ namespace mrpt::fusion {
  * \exception std::length_error If the octree has more than kMostCompressedNodes nodes. */
 std::string compressNodes(const octomap::OcTree& tree);
 
-/** Inverts compressNodes(): fills the empty \a tree. For all input, kMostCompressedNodes bounds the
- * memory.
- * \exception std::runtime_error If data is truncated or damaged, log-odds are not finite, or nodes
- * are deeper than 16. \a tree is then incomplete: discard it. */
-void decompressNodes(std::string_view bytes, octomap::OcTree& tree);
-
 /** Largest number of nodes: 50 times the nodes of a large building at 0.1 m. */
 constexpr size_t kMostCompressedNodes = 50'000'000;
+
+/** Inverts compressNodes(): fills the empty \a tree. For all input, \a most_nodes bounds the memory
+ * and the time. What the data claims is compared with the data before memory is allocated.
+ * \exception std::runtime_error If data is truncated or damaged, log-odds are not finite, nodes are
+ * deeper than 16, or there are more than \a most_nodes nodes. \a tree is then incomplete: discard
+ * it. */
+void decompressNodes(std::string_view bytes, octomap::OcTree& tree,
+                     size_t most_nodes = kMostCompressedNodes);
 
 }  // namespace mrpt::fusion

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fusion_octree/compression.h"
 
+#include <lzma.h>
+
 #include "support/tree_tools.h"
 using namespace map_tests;
 using mrpt::fusion::compressNodes;
@@ -22,6 +24,26 @@ std::unique_ptr<octomap::OcTree> diverseTree() {
     for (int y = 0; y < 40; y++) putVoxel(*tree, {x, y, (x * y) % 7}, value += 0.00123F);
   finish(*tree);
   return tree;
+}
+
+/** Returns bytes in the format that compressNodes() packs its data in. */
+std::string packed(const std::string& data) {
+  std::string out(::lzma_stream_buffer_bound(data.size()), '\0');
+  size_t size = 0;
+  EXPECT_EQ(::lzma_easy_buffer_encode(0, LZMA_CHECK_CRC32, nullptr,
+                                      reinterpret_cast<const uint8_t*>(data.data()), data.size(),
+                                      reinterpret_cast<uint8_t*>(out.data()), &size, out.size()),
+            LZMA_OK);
+  out.resize(size);
+  return out;
+}
+
+/** Returns the beginning of the data: the numbers of masks, leaves and exceptions. */
+std::string counts(uint64_t masks, uint64_t leaves, uint64_t exceptions) {
+  std::string bytes;
+  for (const uint64_t n : {masks, leaves, exceptions})
+    bytes.append(reinterpret_cast<const char*>(&n), sizeof(n));
+  return bytes;
 }
 
 }  // namespace
@@ -76,4 +98,34 @@ TEST(OcTreeCompression, DamagedBytesAreAnError) {
       EXPECT_TRUE(sameTree(*sceneTree(0.1, 2), tree));
     }
   }
+}
+
+TEST(OcTreeCompression, MoreNodesThanAllowedAreAnError) {
+  const auto tree = sceneTree(0.1, 2);
+  const std::string bytes = compressNodes(*tree);
+  octomap::OcTree same(0.1), less(0.1);
+  decompressNodes(bytes, same, tree->size());
+  EXPECT_TRUE(sameTree(*tree, same));
+  EXPECT_NE(errorOf([&] { decompressNodes(bytes, less, tree->size() - 1); }), "");
+}
+
+TEST(OcTreeCompression, CountsThatTheDataDoesNotHoldTakeNoMemory) {
+  const MemoryLimit limit(100);
+  constexpr uint64_t kClaimed = 40'000'000;
+  const std::string rest(100'000, '\0');
+  for (const std::string& data :
+       {counts(kClaimed, 1, 0), counts(1, kClaimed, 0), counts(1, 1, kClaimed),
+        counts(100, 100, kClaimed), counts(100, kClaimed, 100)}) {
+    const std::string error = errorOf([&] { decompressed(packed(data + rest)); });
+    EXPECT_NE(error, "");
+    EXPECT_EQ(error.find("bad_alloc"), std::string::npos) << error;
+  }
+}
+
+TEST(OcTreeCompression, BytesBeyondTheCountsAreNotUnpacked) {
+  const std::string bytes = packed(counts(1, 1, 0) + std::string(300'000'000, '\0'));
+  const MemoryLimit limit(100);
+  const std::string error = errorOf([&] { decompressed(bytes); });
+  EXPECT_NE(error, "");
+  EXPECT_EQ(error.find("bad_alloc"), std::string::npos) << error;
 }
