@@ -8,9 +8,13 @@
 
 #include <iostream>
 
+#include "fusion_base/printable.h"
 #include "fusion_octree/build.h"
 #include "fusion_octree/compression.h"
-#include "mrpt_fusion_maps/archive_blobs.h"
+#include "mrpt_fusion_maps/archives/blobs.h"
+#include "mrpt_fusion_maps/archives/map_reader.h"
+#include "mrpt_fusion_maps/archives/packed_nodes.h"
+#include "mrpt_fusion_maps/archives/poses.h"
 
 using namespace mrpt::fusion;
 using namespace mrpt::obs;
@@ -46,7 +50,7 @@ void writeMap(mrpt::serialization::CArchive& out, const CMetricMap* map) {
   }
 }
 
-CMetricMap::Ptr readMap(mrpt::serialization::CArchive& in) {
+CMetricMap::Ptr readContent(GuardedArchive& in) {
   uint8_t content = 0;
   in >> content;
   switch (static_cast<Content>(content)) {
@@ -55,14 +59,11 @@ CMetricMap::Ptr readMap(mrpt::serialization::CArchive& in) {
     case Content::OcTree: {
       auto octomap = std::make_shared<CProbOctoMap>();
       in >> *octomap;
-      decompressNodes(readBlob(in), octomap->octree());
+      readPackedNodes(in, octomap->octree());
       return octomap;
     }
-    case Content::Other: {
-      auto map = std::dynamic_pointer_cast<CMetricMap>(in.ReadObject());
-      ASSERTMSG_(map, "CObservationLocalMap: corrupt stream: an object in it is not a map");
-      return map;
-    }
+    case Content::Other:
+      return readMap(in, in.readHeader());
   }
   THROW_EXCEPTION("CObservationLocalMap: corrupt stream: unknown kind of map");
 }
@@ -84,11 +85,13 @@ void CObservationLocalMap::serializeTo(mrpt::serialization::CArchive& out) const
 void CObservationLocalMap::serializeFrom(mrpt::serialization::CArchive& in, uint8_t version) {
   if (version != 0) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
   CObservationLocalMap read;  // this object stays as it was if the stream ends early
-  in >> read.timestamp;
-  read.sensorLabel = readBlob(in);
-  in >> read.sequence >> read.pose;
-  read.map = readMap(in);
-  readEndMark(in);
+  GuardedArchive guarded(in);
+  guarded >> read.timestamp;
+  read.sensorLabel = readBlob(guarded);
+  guarded >> read.sequence >> read.pose;
+  checkPose(read.pose);
+  read.map = readContent(guarded);
+  readEndMark(guarded);
   *this = std::move(read);
 }
 
@@ -100,8 +103,10 @@ void CObservationLocalMap::setSensorPose(const mrpt::poses::CPose3D& newSensorPo
 }
 
 void CObservationLocalMap::getDescriptionAsText(std::ostream& o) const {
-  CObservation::getDescriptionAsText(o);
-  o << "Map number " << sequence << " of robot '" << sensorLabel << "'\n"
+  CObservationLocalMap copy(*this);  // shares the map
+  copy.sensorLabel = printable(sensorLabel);
+  copy.CObservation::getDescriptionAsText(o);
+  o << "Map number " << sequence << " of robot '" << copy.sensorLabel << "'\n"
     << "Pose guess in the common frame: " << pose << "\n"
     << "Map: " << (map ? map->asString() : "none") << "\n";
   if (const auto* octomap = dynamic_cast<const CProbOctoMap*>(map.get())) {

@@ -7,6 +7,7 @@
 #include <mrpt/serialization/CArchive.h>
 
 #include <cmath>
+#include <initializer_list>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,7 +16,9 @@
 #include "fusion_base/error_text.h"
 #include "fusion_octree/build.h"
 #include "fusion_octree/files.h"
-#include "mrpt_fusion_maps/archive_blobs.h"
+#include "fusion_octree/resolution.h"
+#include "mrpt_fusion_maps/archives/blobs.h"
+#include "mrpt_fusion_maps/archives/flags.h"
 
 using namespace mrpt::fusion;
 using namespace mrpt::maps;
@@ -25,8 +28,8 @@ MAP_DEFINITION_REGISTER("mrpt::maps::CProbOctoMap,probOctoMap", mrpt::maps::CPro
 
 // ---------------------------------------------------------------- map definition and options
 
-/** Limits of the lengths in a map definition, m. */
-constexpr double kMinResolution = 1e-4, kMaxLength = 1e6;
+/** Largest range of a map definition, m. */
+constexpr double kMaxRange = 1e6;
 
 CProbOctoMap::TMapDefinition::TMapDefinition() = default;
 
@@ -37,7 +40,8 @@ void CProbOctoMap::TMapDefinition::loadFromConfigFile_map_specific(
   checkKeys(source, creation,
             {"resolution", "enableSaveAs3DObject", "enableObservationLikelihood",
              "enableObservationInsertion"});
-  resolution = readNumber(source, creation, "resolution", resolution, kMinResolution, kMaxLength);
+  resolution =
+      readNumber(source, creation, "resolution", resolution, kMinResolution, kMaxResolution);
   insertionOpts.loadFromConfigFile(source, prefix + "_insertOpts");
   checkKeys(source, likelihood, {"decimation"});
   likelihoodOpts.decimation = static_cast<uint32_t>(readNumber(
@@ -90,7 +94,7 @@ void CProbOctoMap::TInsertionOptions::loadFromConfigFile(
   checkKeys(source, section, keys);
 
   TInsertionOptions loaded(*this);
-  loaded.maxrange = readNumber(source, section, "maxrange", maxrange, -1, kMaxLength);
+  loaded.maxrange = readNumber(source, section, "maxrange", maxrange, -1, kMaxRange);
   loaded.pruning = readFlag(source, section, "pruning", pruning);
   for (const auto& option : kProbabilities)
     loaded.*option.field = readNumber(source, section, option.key, loaded.*option.field, 0, 1);
@@ -184,6 +188,17 @@ std::string CProbOctoMap::asString() const {
 
 // ---------------------------------------------------------------- serialization
 
+namespace {
+
+/** Checks options and thresholds of a stream. Infinite log-odds are thresholds that clamp nothing.
+ */
+void checkNumbers(std::initializer_list<double> numbers) {
+  for (const double number : numbers)
+    if (std::isnan(number)) THROW_EXCEPTION("corrupt stream: an option is not a number");
+}
+
+}  // namespace
+
 uint8_t CProbOctoMap::serializeGetVersion() const { return 0; }
 
 void CProbOctoMap::serializeTo(mrpt::serialization::CArchive& out) const {
@@ -214,8 +229,13 @@ void CProbOctoMap::serializeFrom(mrpt::serialization::CArchive& in, uint8_t vers
   double resolution = 0;
   OcTreeAccess::SensorModel m{};
   in >> resolution >> m.clamp_min >> m.clamp_max >> m.hit >> m.miss >> m.occupancy_threshold;
-  ASSERTMSG_(resolution > 0 && std::isfinite(resolution),
-             "CProbOctoMap: corrupt stream: the resolution is not a positive length");
+  checkFlags(map.genericMapParams);
+  checkFlags(map.renderingOptions);
+  checkFlags(i.pruning);
+  checkNumbers({i.maxrange, i.occupancyThres, i.probHit, i.probMiss, i.clampingThresMin,
+                i.clampingThresMax, m.clamp_min, m.clamp_max, m.hit, m.miss,
+                m.occupancy_threshold});
+  checkResolution(resolution);
   map.m_octree = std::make_unique<octomap::OcTree>(resolution);
   OcTreeAccess::setSensorModel(*map.m_octree, m);
   const std::string nodes = readBlob(in);

@@ -137,6 +137,14 @@ TEST(LocalMapObservation, DescribesItselfToPeople) {
   EXPECT_EQ(words(o->exportTxtDataRow()).size() + 1, words(o->exportTxtHeader()).size());
 }
 
+TEST(LocalMapObservation, DescribesItselfWithoutControlCharacters) {
+  std::ostringstream text;
+  sent("a\033[31m\007", 3, nullptr)->getDescriptionAsText(text);
+  for (const char c : text.str())
+    EXPECT_TRUE(c == '\n' || static_cast<unsigned char>(c) >= ' ') << static_cast<int>(c);
+  EXPECT_NE(text.str().find("a\\x1b[31m\\x07"), std::string::npos) << text.str();
+}
+
 TEST(LocalMapObservation, IsRegistered) {
   const auto* id = mrpt::rtti::findRegisteredClass("mrpt::obs::CObservationLocalMap");
   ASSERT_NE(nullptr, id);

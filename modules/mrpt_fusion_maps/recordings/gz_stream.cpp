@@ -14,6 +14,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "mrpt_fusion_maps/archives/guarded_archive.h"
+
 namespace mrpt::fusion {
 
 GzStream::GzStream(const std::string& path) : file_(::gzopen(path.c_str(), "rb")) {
@@ -36,9 +38,18 @@ size_t GzStream::Read(void* buffer, size_t count) {
   int error = Z_OK;
   ::gzerror(file_, &error);
   if (error != Z_OK && error != Z_STREAM_END)
-    throw std::runtime_error("the compressed data ends early or is damaged");
-  if (done < count && done > 0) throw std::runtime_error("the file ends early");
+    throw ReadingStopped("the compressed data ends early or is damaged");
+  if (done < count && done > 0) throw ReadingStopped("the file ends early");
+  checkProportion();
   return done;
+}
+
+void GzStream::checkProportion() const {
+  constexpr uint64_t kBytes = uint64_t{1} << 26U, kPerCompressedByte = 32;
+  if (position_ <= kBytes || ::gzdirect(file_)) return;
+  const auto compressed = static_cast<uint64_t>(std::max<z_off_t>(0, ::gzoffset(file_)));
+  if (position_ > kBytes + kPerCompressedByte * compressed)
+    throw ReadingStopped("the compressed data unpacks to more bytes than maps and recordings have");
 }
 
 size_t GzStream::Write(const void*, size_t) { THROW_EXCEPTION("the stream is for reading only"); }

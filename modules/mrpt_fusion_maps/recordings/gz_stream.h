@@ -24,6 +24,8 @@ class GzStream : public mrpt::io::CStream {
   GzStream(const GzStream&) = delete;
   GzStream& operator=(const GzStream&) = delete;
 
+  /** \exception ReadingStopped If the file ends early or is damaged, or if it unpacks to more than
+   * 64 MB and 32 times its size. Recordings and maps have 2 to 15 times. */
   size_t Read(void* buffer, size_t count) override;
   /** Number of uncompressed bytes that were read. */
   uint64_t getPosition() const override { return position_; }
@@ -33,6 +35,9 @@ class GzStream : public mrpt::io::CStream {
   uint64_t getTotalBytesCount() const override;
 
  private:
+  /** Bounds the bytes that a compressed file unpacks to. */
+  void checkProportion() const;
+
   gzFile_s* file_;
   uint64_t position_ = 0;
 };

@@ -14,6 +14,7 @@
 
 #include "fusion_base/error_text.h"
 #include "fusion_base/files.h"
+#include "mrpt_fusion_maps/archives/map_reader.h"
 
 using mrpt::maps::CSimpleMap;
 using mrpt::obs::CActionCollection;
@@ -23,23 +24,45 @@ using mrpt::serialization::CSerializable;
 
 namespace mrpt::fusion {
 
+namespace {
+
+/** Reads an object of any class. \exception std::exception If it is null or damaged. */
+CSerializable::Ptr readObject(GuardedArchive& in) {
+  const ObjectHeader header = in.readHeader();
+  if (isMap(header)) return readMap(in, header);
+  const auto* id = mrpt::rtti::findRegisteredClass(header.class_name);
+  if (!id || !id->ptrCreateObject)
+    throw std::runtime_error(header.class_name == "nullptr"
+                                 ? "an empty object"
+                                 : "the class '" + header.class_name + "' is unknown");
+  auto object = std::dynamic_pointer_cast<CSerializable>(id->createObject());
+  if (!object) throw std::runtime_error("a " + header.class_name + " is not serialized");
+  in.readBody(object.get(), header);
+  return object;
+}
+
+}  // namespace
+
 CSerializable::Ptr ObjectReader::next() {
-  auto archive = mrpt::serialization::archiveFrom(file_);
+  GuardedArchive archive(file_, budget_);
   const uint64_t start = file_.getPosition();
+  const auto fail = [this](const std::string& reason) -> CSerializable::Ptr {
+    throw std::runtime_error(
+        (count_ == 0 ? "not a map, simplemap or rawlog file, or truncated ("
+                     : "truncated or corrupt after " + std::to_string(count_) + " objects (") +
+        reason + ")");
+  };
   try {
-    auto object = archive.ReadObject();
-    if (!object) throw std::runtime_error("an empty object");
+    auto object = readObject(archive);
     count_++;
     return object;
+  } catch (const ReadingStopped& e) {
+    return fail(e.what());
+  } catch (const mrpt::serialization::CExceptionEOF& e) {
+    if (file_.getPosition() == start && count_ > 0) return nullptr;
+    return fail(messageOf(e));
   } catch (const std::exception& e) {
-    const bool at_end =
-        dynamic_cast<const mrpt::serialization::CExceptionEOF*>(&e) && file_.getPosition() == start;
-    if (at_end && count_ > 0) return nullptr;
-    if (count_ == 0)
-      throw std::runtime_error("not a map, simplemap or rawlog file, or truncated (" +
-                               messageOf(e) + ")");
-    throw std::runtime_error("truncated or corrupt after " + std::to_string(count_) + " objects (" +
-                             messageOf(e) + ")");
+    return fail(messageOf(e));
   }
 }
 

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <string>
 
+#include "mrpt_fusion_maps/archives/guarded_archive.h"
 #include "mrpt_fusion_maps/recordings/gz_stream.h"
 
 /** \file
@@ -13,7 +14,7 @@
 
 namespace mrpt::fusion {
 
-/** Reads the MRPT objects of a file one by one. */
+/** Reads the MRPT objects of a file one by one. All objects share one ReadingBudget. */
 class ObjectReader {
  public:
   explicit ObjectReader(const std::string& path) : file_(path) {}
@@ -24,6 +25,7 @@ class ObjectReader {
 
  private:
   GzStream file_;
+  ReadingBudget budget_;
   size_t count_ = 0;
 };
 

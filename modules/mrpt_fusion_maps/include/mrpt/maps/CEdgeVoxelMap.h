@@ -6,6 +6,7 @@
 #include <mrpt/maps/CMetricMap.h>
 #include <mrpt/maps/CProbOctoMap.h>
 
+#include <memory>
 #include <string>
 
 namespace mrpt::maps {
@@ -14,7 +15,8 @@ namespace mrpt::maps {
  *
  * The serialized edges have about 1 % of the size of the map. They hold the keys of the edge voxels
  * in the octree and the probability of each. Directions and covariances follow from these by eq.
- * (6). They are computed again, to the same bits, when the edges are read.
+ * (6). They are computed again, to the same bits, at the first call of edges() after the edges were
+ * read. A stream whose edges are so dense that this would take more than seconds is refused.
  *
  * CProbabilisticMapMatching::Align3DPDF() takes this map for A, for B or for both, and compares
  * edges only. It cannot be merged. It cannot be built from observations: insertObservation()
@@ -24,7 +26,7 @@ class MRPT_FUSION_API CEdgeVoxelMap : public CMetricMap {
   DEFINE_SERIALIZABLE(CEdgeVoxelMap, mrpt::maps)
 
  public:
-  CEdgeVoxelMap() = default;
+  CEdgeVoxelMap() = default;  ///< Creates a map without edges
   /** Extracts the edges of a map by Algorithm 1 of the paper. */
   explicit CEdgeVoxelMap(const CProbOctoMap& map, const mrpt::fusion::EdgeParams& params = {});
   /** Takes edge voxels. Each becomes the finest voxel of an octree that contains it, and their
@@ -35,9 +37,9 @@ class MRPT_FUSION_API CEdgeVoxelMap : public CMetricMap {
 
   /** Returns the edge voxels: centres in the map's frame, m, probabilities and covariances. The
    * covariance holds the direction. */
-  const mrpt::fusion::EdgeVoxels& edges() const { return m_edges; }
-  size_t size() const { return m_edges.size(); }               ///< Number of edge voxels
-  double getResolution() const { return m_edges.resolution; }  ///< Voxel size, m
+  const mrpt::fusion::EdgeVoxels& edges() const;
+  size_t size() const;           ///< Number of edge voxels
+  double getResolution() const;  ///< Voxel size, m
   /** Returns an octree in which the edge voxels are occupied and all other voxels are unknown. */
   octomap::OcTree asOcTree() const;
 
@@ -50,7 +52,7 @@ class MRPT_FUSION_API CEdgeVoxelMap : public CMetricMap {
   void saveMetricMapRepresentationToFile(const std::string& filNamePrefix) const override;
 
  protected:
-  void internal_clear() override { m_edges = {}; }  ///< Removes all edges
+  void internal_clear() override;  ///< Removes all edges
   /** Inserts nothing. \return False */
   bool internal_insertObservation(
       const mrpt::obs::CObservation& obs,
@@ -62,7 +64,8 @@ class MRPT_FUSION_API CEdgeVoxelMap : public CMetricMap {
   bool internal_canComputeObservationLikelihood(const mrpt::obs::CObservation& obs) const override;
 
  private:
-  mrpt::fusion::EdgeVoxels m_edges;
+  class Edges;
+  std::shared_ptr<const Edges> m_edges;  // null: no edges; copies of the map share it
 };
 
 }  // namespace mrpt::maps

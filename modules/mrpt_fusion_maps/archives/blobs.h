@@ -18,13 +18,10 @@ inline void writeBlob(mrpt::serialization::CArchive& out, const std::string& byt
   if (!bytes.empty()) out.WriteBuffer(bytes.data(), bytes.size());
 }
 
-/** Reads what writeBlob() has written. Reads in blocks, so that a wrong length reaches the end of
- * the stream before much memory is allocated. \exception std::exception If the stream ends early.
- */
-inline std::string readBlob(mrpt::serialization::CArchive& in) {
+/** Reads bytes in blocks, so that a wrong length reaches the end of the stream before much memory
+ * is allocated. \exception std::exception If the stream ends early. */
+inline std::string readBytes(mrpt::serialization::CArchive& in, uint64_t size) {
   constexpr uint64_t kBlock = 1 << 20;
-  uint64_t size = 0;
-  in >> size;
   std::string bytes;
   while (bytes.size() < size) {
     const auto n = static_cast<size_t>(std::min(kBlock, size - bytes.size()));
@@ -34,6 +31,14 @@ inline std::string readBlob(mrpt::serialization::CArchive& in) {
   }
   return bytes;
 }
+
+/** Reads what writeBlob() has written. \exception std::exception As readBytes(). */
+inline std::string readBlob(mrpt::serialization::CArchive& in) {
+  return readBytes(in, in.ReadAs<uint64_t>());
+}
+
+/** The byte that MRPT writes at the end of each object. */
+constexpr uint8_t kObjectEnd = 0x88;
 
 /** Marks the end of an object. If a stream ends within a number, MRPT reads a wrong number and does
  * not throw. The mark detects this. */

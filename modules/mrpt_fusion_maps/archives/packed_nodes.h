@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <octomap/OcTree.h>
+
+#include <algorithm>
+#include <string>
+
+#include "fusion_octree/compression.h"
+#include "mrpt_fusion_maps/archives/blobs.h"
+#include "mrpt_fusion_maps/archives/guarded_archive.h"
+
+/** \file
+ * Compressed octrees in the archives of MRPT. */
+
+namespace mrpt::fusion {
+
+/** Fills an empty octree from the bytes of compressNodes(). Takes the nodes from the budget.
+ * \exception std::exception As decompressNodes(). */
+inline void unpackNodes(const std::string& packed, ReadingBudget& budget, octomap::OcTree& tree) {
+  const size_t in_proportion = ReadingBudget::kNodesPerByte * packed.size();
+  decompressNodes(packed, tree, std::min(kMostCompressedNodes, budget.nodes + in_proportion));
+  budget.nodes -= std::max(tree.size(), in_proportion) - in_proportion;
+}
+
+/** Reads the bytes of compressNodes() as a blob and fills an empty octree, see unpackNodes(). */
+inline void readPackedNodes(GuardedArchive& in, octomap::OcTree& tree) {
+  unpackNodes(readBlob(in), in.budget(), tree);
+}
+
+}  // namespace mrpt::fusion
