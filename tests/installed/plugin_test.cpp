@@ -53,4 +53,25 @@ TEST_F(Plugin, LetsRawlogEditReadAndWrite) {
   EXPECT_EQ(info.err + keep.err, "");
 }
 
+TEST_F(Plugin, LetsRawlogEditReadLocalMapsWithinEachOtherWithoutACrash) {
+  ASSERT_EQ(run(mapFusion() + " pack --edges-only " + pair("map_a.ot") + " -o one.rawlog").code, 0);
+  const std::string one = readFile(dir_ / "one.rawlog");
+  const size_t held = one.find("mrpt::maps::CEdgeVoxelMap") - 1;  // the length of the name
+  ASSERT_LT(held, one.size());
+  std::string many;
+  for (int i = 0; i < 10'000; i++) many += one.substr(0, held);
+  writeFile(dir_ / "many.rawlog", many + one);
+  const auto r = run("rawlog-edit --plugins " + plugin() + " -i many.rawlog --info");
+  EXPECT_EQ(r.code, 0) << r.err;
+}
+
+TEST_F(Plugin, LetsRawlogEditReadSetsOfMapsWithinEachOtherWithoutACrash) {
+  const std::string set = "\x9bmrpt::maps::CMultiMetricMap\x0c" + std::string("\1\0\0\0", 4);
+  std::string many;
+  for (int i = 0; i < 100'000; i++) many += set;
+  writeFile(dir_ / "many.rawlog", many);
+  const auto r = run("rawlog-edit --plugins " + plugin() + " -i many.rawlog --info");
+  EXPECT_EQ(r.code, 0) << r.err;
+}
+
 }  // namespace

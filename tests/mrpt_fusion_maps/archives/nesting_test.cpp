@@ -71,6 +71,17 @@ TEST(Nesting, ThousandsOfSetsOfMapsAreAnError) {
   expectContains(loadError(sets), "within each other");
 }
 
+TEST(Nesting, SetsOfMapsThatMrptReadsAreBoundedToo) {
+  expectContains(errorOf([&] { deserialized(setsOfMaps(100'000)); }), "within each other");
+  for (size_t depth = 1; depth < 100'000; depth *= 2)  // all that is read can be destroyed
+    errorOf([&] { deserialized(setsOfMaps(depth)); });
+  EXPECT_EQ(serialized(*deserialized(setsOfMaps(20))), setsOfMaps(20));
+  // The class is what it was.
+  const auto* id = mrpt::rtti::findRegisteredClass("mrpt::maps::CMultiMetricMap");
+  EXPECT_EQ(id, CLASS_ID(CMultiMetricMap));
+  EXPECT_EQ(id->createObject()->GetRuntimeClass(), id);
+}
+
 TEST(Nesting, ThousandsOfObjectsOfOtherClassesAreAnError) {
   const mrpt::obs::CObservationOdometry odometry;
   mrpt::obs::CSensoryFrame frame;

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Guards the stack when MRPT reads sets of maps. */
+
+#include "mrpt_fusion_maps/archives/guarded_sets.h"
+
+#include <mrpt/maps/CMultiMetricMap.h>
+#include <mrpt/rtti/CObject.h>
+#include <pthread.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <functional>
+
+#include "fusion_base/bits.h"
+#include "mrpt_fusion_maps/archives/guarded_archive.h"
+
+using mrpt::maps::CMultiMetricMap;
+using mrpt::rtti::CObject;
+
+namespace mrpt::fusion {
+namespace {
+
+/** Returns the lowest place on the stack of this thread down to which objects may nest. */
+const char* lowestPlace() {
+  // Bytes; 8 MB is the usual size of a stack. The destructors of nested sets need more than
+  // reading.
+  constexpr size_t kMost = size_t{1} << 20U;
+  pthread_attr_t attributes;
+  void* low = nullptr;
+  size_t size = 0;
+  if (::pthread_getattr_np(::pthread_self(), &attributes) != 0) return nullptr;
+  ::pthread_attr_getstack(&attributes, &low, &size);
+  ::pthread_attr_destroy(&attributes);
+  return static_cast<const char*>(low) + size - std::min(kMost, size / 2);
+}
+
+CObject::Ptr createSet() {
+  thread_local const char* const lowest = lowestPlace();
+  if (stackPosition() < lowest) throw ReadingStopped("too many sets of maps within each other");
+  return CMultiMetricMap::CreateObject();
+}
+
+}  // namespace
+
+void guardSetsOfMaps() {
+  // A second class of this name is no way: MRPT compares the class of an object with the class of
+  // its name. A std::function is initialised at run time, so it is in writable memory.
+  const auto& factory = CLASS_ID(CMultiMetricMap)->ptrCreateObject;
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast)
+  const_cast<std::function<CObject::Ptr()>&>(factory) = createSet;
+}
+
+}  // namespace mrpt::fusion
