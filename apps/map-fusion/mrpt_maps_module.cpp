@@ -11,6 +11,7 @@
 
 #include "fusion_base/error_text.h"
 #include "mrpt_maps.h"
+#include "silence.h"
 
 using mrpt::maps::CEdgeVoxelMap;
 using mrpt::maps::CMetricMap;
@@ -53,6 +54,7 @@ mrpt::fusion::BuildParams toParams(const MapDefinition& definition,
 class MapsOfModule : public MrptMaps {
  public:
   LoadedMap load(const std::string& path, const MapDefinition& definition) const override {
+    const SilentErrors silent;
     std::vector<std::string> notes;
     const CMetricMap::Ptr map = mrpt::fusion::loadAnyMap(path, toParams(definition, notes));
     LoadedMap loaded = mrpt::fusion::withPath(path, [&] { return workable(map); });
@@ -61,6 +63,7 @@ class MapsOfModule : public MrptMaps {
   }
 
   std::vector<Robot> loadMission(const std::string& path) const override {
+    const SilentErrors silent;
     std::vector<Robot> robots;
     for (const auto& sent : mrpt::fusion::loadLocalMaps(path)) {
       if (!sent->map)
@@ -84,10 +87,12 @@ class MapsOfModule : public MrptMaps {
       o->map = mrptMapOf(robot.map);
       observations.push_back(o);
     }
+    const SilentErrors silent;
     mrpt::fusion::saveLocalMaps(observations, path);
   }
 
   BuiltMap build(const std::string& recording, const MapDefinition& definition) const override {
+    const SilentErrors silent;
     LoadedMap map;
     const auto built = mrpt::fusion::buildMap(recording, toParams(definition, map.notes));
     map.mrpt = built.map;
@@ -100,6 +105,7 @@ class MapsOfModule : public MrptMaps {
   }
 
   void save(const LoadedMap& map, const std::string& path) const override {
+    const SilentErrors silent;
     mrpt::fusion::saveMap(*mrptMapOf(map), path);
   }
 

@@ -4,6 +4,7 @@
 
 #include "output.h"
 
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -12,6 +13,7 @@
 #include <stdexcept>
 
 #include "fusion_base/files.h"
+#include "fusion_base/printable.h"
 #include "fusion_octree/files.h"
 #include "mrpt_maps.h"
 
@@ -19,17 +21,24 @@ namespace fs = std::filesystem;
 
 namespace map_fusion {
 
-Progress::Progress(bool wanted) : on_(wanted && ::isatty(STDERR_FILENO) == 1) {}
+Progress::Progress(bool wanted)
+    : terminal_(wanted && ::isatty(STDERR_FILENO) == 1
+                    ? ::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1)
+                    : -1) {}
+
+Progress::~Progress() {
+  clear();
+  if (terminal_ >= 0) ::close(terminal_);
+}
 
 void Progress::show(const std::string& text) {
-  if (!on_) return;
-  std::fprintf(stderr, "\r\033[K%s", text.c_str());
-  std::fflush(stderr);
+  if (terminal_ < 0) return;
+  ::dprintf(terminal_, "\r\033[K%s", mrpt::fusion::printable(text).c_str());
   shown_ = true;
 }
 
 void Progress::clear() {
-  if (shown_) std::fprintf(stderr, "\r\033[K");
+  if (shown_) ::dprintf(terminal_, "\r\033[K");
   shown_ = false;
 }
 

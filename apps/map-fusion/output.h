@@ -16,12 +16,15 @@ namespace map_fusion {
 class Progress {
  public:
   explicit Progress(bool wanted);
-  ~Progress() { clear(); }
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
   void show(const std::string& text);
   void clear();
 
  private:
-  bool on_;
+  int terminal_;  // copy of stderr, which stays when stderr is silenced; negative: none
   bool shown_ = false;
 };
 

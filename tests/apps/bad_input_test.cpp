@@ -61,6 +61,38 @@ TEST_F(BadInput, PosesThatAreNone) {
   }
 }
 
+TEST_F(BadInput, GuessesFartherThanTheMapsReach) {
+  for (const std::string pose : {"\"[1e9 0 0 0 0 0]\"", "\"[0 -1e18 0 0 0 0]\"",
+                                 "\"[0 0 1e5 0 0 0]\"", "\"[1e300 0 0 0 0 0]\""}) {
+    expectFailure("match " + both() + " --init " + pose, "guess");
+    expectFailure("match " + both() + " --init " + pose + " --init-sigma 1e5 6", "guess");
+    expectFailure("evaluate " + both() + " --pose " + pose, "pose");
+    expectFailure("merge " + both() + " --pose " + pose + " -o out.ot", "does not fit");
+  }
+}
+
+TEST_F(BadInput, MapsOfFewNodesThatTakeTooMuchWork) {
+  for (const bool occupied : {false, true}) {
+    octomap::OcTree tree(0.1);
+    for (int i = 0; i < 8; i++) {  // so that no 8 siblings are equal
+      const float at = 0.05F + 0.1F * static_cast<float>(i);
+      tree.updateNode(octomap::point3d(at, 0.05F, 0.05F), true);
+    }
+    auto* node = tree.getRoot();
+    for (unsigned depth = 0; depth < 5; depth++) {
+      const unsigned child = depth == 0 ? 0 : 7;
+      if (!tree.nodeChildExists(node, child)) tree.createNodeChild(node, child);
+      node = tree.getNodeChild(node, child);
+    }
+    node->setLogOdds(occupied ? 1.5F : -1.5F);
+    tree.write((dir_ / "coarse.ot").string());
+    const std::string pose = " --pose \"[3.3 -1.2 0.4 30 0 0]\" -o out.ot";
+    expectFailure("transform coarse.ot" + pose, "few nodes");
+    expectFailure("merge " + pair("map_a.ot") + " coarse.ot" + pose, "few nodes");
+    if (occupied) expectFailure("edges coarse.ot -o out.ply", "coarse.ot");
+  }
+}
+
 TEST_F(BadInput, OutputsThatCannotBeWritten) {
   fs::create_directory(dir_ / "folder");
   const std::string to = "merge " + both() + " --pose " + pair("T_a_b.txt") + " -o ";

@@ -2,6 +2,7 @@
 /** \file
  * Tests of the commands on missions and teams. */
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "run.h"
@@ -137,6 +138,26 @@ TEST_F(Missions, ThatCannotBeUsedSayWhy) {
   EXPECT_EQ(cut.code, 1);
   EXPECT_NE(cut.err.find("cut.rawlog: "), std::string::npos) << cut.err;
   EXPECT_FALSE(fs::exists(dir_ / "fused.ot"));
+}
+
+TEST_F(Missions, OfRobotsWhoseNamesWouldControlATerminalPrintThemEscaped) {
+  ASSERT_EQ(run("cp " + pair("map_a.ot") + " \"$(printf 'a\\033[31m\\007')\".ot && cp " +
+                pair("map_b.ot") + " \"$(printf 'b\\033]0;title\\007')\".ot")
+                .code,
+            0);
+  ASSERT_EQ(mapFusion("pack a*.ot b*.ot -o mission.rawlog").code, 0);
+  for (const std::string command :
+       {"info mission.rawlog", "fuse mission.rawlog -o fused.ot --json report.json",
+        "fuse mission.rawlog mission.rawlog -o fused.ot", "match a*.ot none -q"}) {
+    const auto r = mapFusion(command);
+    const std::string all = r.out + r.err;
+    EXPECT_TRUE(
+        std::all_of(all.begin(), all.end(),
+                    [](char c) { return c == '\n' || static_cast<unsigned char>(c) >= ' '; }))
+        << command << "\n"
+        << all;
+  }
+  EXPECT_EQ(report().at("robots")[0].at("robot"), "a\033[31m\007");
 }
 
 }  // namespace

@@ -118,6 +118,21 @@ TEST_F(SingleSteps, CompressedMapsAreSavedByManyAtOnce) {
   }
 }
 
+TEST_F(SingleSteps, QuietIsSilentWithMrptsOctomapsToo) {
+  writeFile(dir_ / "map.ini",
+            "[MappingApplication]\noctoMap_count = 1\n"
+            "[MappingApplication_octoMap_00_creationOpts]\nresolution = 0.25\n");
+  for (const std::string& command :
+       {"build " + pair("robot_a.rawlog") + " --config map.ini -o map.gz",
+        std::string("info map.gz"), std::string("pack map.gz -o mission.rawlog"),
+        std::string("info mission.rawlog"),
+        std::string("transform map.gz --pose '[0 0 0 0 0 0]' -o map.bt")}) {
+    const auto r = mapFusion(command + " -q");
+    EXPECT_EQ(r.code, 0) << command;
+    EXPECT_EQ(r.out + r.err, "") << command;
+  }
+}
+
 TEST_F(SingleSteps, QuietIsSilent) {
   const auto r = mapFusion("info -q " + pair("map_a.ot"));
   EXPECT_EQ(r.code, 0);
