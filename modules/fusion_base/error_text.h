@@ -5,6 +5,7 @@
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "fusion_base/printable.h"
 
@@ -27,6 +28,13 @@ inline std::string messageOf(const std::exception& e) {
     if (begin == std::string::npos) return std::string();
     return printable(text.substr(begin, text.find('\n', begin) - begin), kMostCharacters);
   };
+  // MRPT quotes an exception that is not MRPT's after its own message.
+  constexpr std::string_view kQuote = "Original exception:\n";
+  const size_t quote = text.rfind(kQuote);
+  if (quote != std::string::npos && text.find(kLabel, quote) == std::string::npos) {
+    const std::string line = lineAt(quote + kQuote.size());
+    if (!line.empty()) return line;
+  }
   for (size_t label = text.rfind(kLabel); label != std::string::npos;
        label = label == 0 ? std::string::npos : text.rfind(kLabel, label - 1)) {
     const std::string line = lineAt(label + kLabelSize);

@@ -66,6 +66,14 @@ TEST(MessageOf, IsThatOfTheLastLabel) {
             "thrown first");
 }
 
+TEST(MessageOf, IsTheExceptionThatMrptQuotes) {
+  EXPECT_EQ(messageOfText("Message:  Exception while parsing\nOriginal exception:\nthe reason\nx"),
+            "the reason");
+  EXPECT_EQ(messageOfText("Original exception:\nLocation: x\nMessage:  the reason\n"),
+            "the reason");
+  EXPECT_EQ(messageOfText("Message: the reason\nOriginal exception:\n\n"), "the reason");
+}
+
 TEST(WithPath, ReturnsWhatTheCallReturns) {
   EXPECT_EQ(withPath("a.ot", [] { return 5; }), 5);
   const auto moved = withPath("a.ot", [] { return std::make_unique<int>(6); });
