@@ -10,6 +10,7 @@
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/serialization/CArchive.h>
 
+#include <new>
 #include <stdexcept>
 
 #include "fusion_base/error_text.h"
@@ -26,9 +27,22 @@ namespace mrpt::fusion {
 
 namespace {
 
+/** Reads the class of an object. MRPT's errors are about its own formats and advise on them. */
+ObjectHeader readHeader(GuardedArchive& in) {
+  try {
+    return in.readHeader();
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const mrpt::serialization::CExceptionEOF&) {
+    throw;
+  } catch (const std::exception&) {
+    throw std::runtime_error("its bytes do not begin an object of MRPT");
+  }
+}
+
 /** Reads an object of any class. \exception std::exception If it is null or damaged. */
 CSerializable::Ptr readObject(GuardedArchive& in) {
-  const ObjectHeader header = in.readHeader();
+  const ObjectHeader header = readHeader(in);
   if (isMap(header)) return readMap(in, header);
   const auto* id = mrpt::rtti::findRegisteredClass(header.class_name);
   if (!id || !id->ptrCreateObject)
