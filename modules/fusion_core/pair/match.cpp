@@ -13,17 +13,20 @@
 #include "fusion_base/parallel.h"
 #include "fusion_core/registration/two_level.h"
 #include "fusion_core/search/all_rotations.h"
+#include "fusion_core/search/levelling.h"
 #include "fusion_core/search/pose_search.h"
 
 namespace mrpt::fusion {
 namespace {
 
 /** Runs the search of the options. \a few_b holds some of B's voxels, about one in each cell. */
-std::vector<Hypothesis> searchedStarts(const MapFeatures& a, const SurfaceVoxels& few_b,
-                                       const Eigen::Isometry3d& T_a_b, const SearchParams& search) {
-  return search.isEverywhere() && search.rotations == SearchRotations::All
+std::vector<Hypothesis> searchedStarts(const MapFeatures& a, const MapFeatures& b,
+                                       const SurfaceVoxels& few_b, const Eigen::Isometry3d& T_a_b,
+                                       const SearchParams& search) {
+  if (!search.isEverywhere()) return searchAround(a, a.matched.surfaces, few_b, T_a_b, search);
+  return search.rotations == SearchRotations::All
              ? searchAllRotations(a, a.matched.surfaces, few_b, search)
-             : searchAround(a, a.matched.surfaces, few_b, T_a_b, search);
+             : searchLevelled(a, a.matched, b.matched, few_b, T_a_b, search);
 }
 
 /** Returns the best starts by few voxels. A comparison of all starts by many voxels would dominate
@@ -66,7 +69,7 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
         matchEdges(a, b, roughly(registration, ranking), result, on_iteration);
         starts.push_back(result.T_a_b);
       },
-      [&] { found = searchedStarts(a, few_b, T_a_b, options.search); },
+      [&] { found = searchedStarts(a, b, few_b, T_a_b, options.search); },
       [&] {
         of_voxels.emplace(associationOf(a, b, registration));
         comparing.emplace(a, b, *of_voxels, comparison, ranking.many_voxels, few_b);

@@ -3,7 +3,6 @@
  * Aligns directions of B with the direction that most of A's surfaces face, and searches. */
 #include "fusion_core/search/all_rotations.h"
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <utility>
@@ -46,10 +45,7 @@ std::vector<Hypothesis> searchAllRotations(const MapVoxels& a, const Surfaces& s
       for (Hypothesis& h : found) h.T_a_b = T_turned_a.inverse() * h.T_a_b;
       all.insert(all.end(), found.begin(), found.end());
     }
-  std::stable_sort(all.begin(), all.end(),
-                   [](const auto& g, const auto& h) { return g.score > h.score; });
-  if (all.size() > params.hypotheses) all.resize(params.hypotheses);
-  return all;
+  return bestOf(std::move(all), params);
 }
 
 }  // namespace mrpt::fusion

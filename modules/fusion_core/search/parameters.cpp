@@ -22,6 +22,7 @@ SearchParams everywhere(SearchParams params) {
 
 Parameters parametersOf(SearchParams& params) {
   SearchBudget& b = params.budget;
+  LevellingParams& l = params.levelling;
   AllRotationsParams& r = params.all_rotations;
   return {
       length(
@@ -60,6 +61,14 @@ Parameters parametersOf(SearchParams& params) {
                      "Places kept for each hypothesis if one lattice suffices")),
       advanced(count("search_everywhere_hypotheses", b.min_hypotheses_everywhere, 1, kUnlimited,
                      "Without a guess: least number of starts that the search returns")),
+      advanced(angle("levelling_max_tilt_deg", l.max_tilt, 0, 90,
+                     "Without a guess: largest tilt of a map that is levelled, deg")),
+      advanced(count("levelling_block_voxels", l.block_voxels, 4, 1000,
+                     "Side of the blocks of ground that give one slope, voxels")),
+      advanced(count("levelling_min_voxels", l.min_layer_voxels, 3, kUnlimited,
+                     "Least number of voxels of a layer of ground in a block")),
+      advanced(number("levelling_max_cells", l.max_cells, 0, kUnlimited,
+                      "B is levelled if a tilt moves its far end by more than this, cells")),
       advanced(angle("rotations_alike_deg", r.alike, 0, 90,
                      "search_rotations = all: normals this near face one direction, deg")),
       advanced(angle("rotations_apart_deg", r.apart, 0, 90,

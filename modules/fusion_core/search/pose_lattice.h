@@ -53,21 +53,21 @@ struct Near {
   }
 };
 
-/** The poses of a search: rotations by whole steps about A's vertical through a point, then
+/** The poses of a search: rotations by whole steps about an axis through a point, then
  * translations by whole cells. The cells and steps of each level are twice as wide as on the level
  * below. */
 struct Lattice {
   Eigen::Isometry3d T_a_b;
   Eigen::Vector3d middle;  ///< Point on the axis of rotation, m, A's frame
   double cell, yaw_step;
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< Direction of the axis, A's frame
 
   Lattice level(unsigned l) const {
     return {T_a_b, middle, std::ldexp(cell, static_cast<int>(l)),
-            std::ldexp(yaw_step, static_cast<int>(l))};
+            std::ldexp(yaw_step, static_cast<int>(l)), up};
   }
   Eigen::Isometry3d turned(int yaw) const {
-    return Eigen::Isometry3d(Eigen::Translation3d(middle) *
-                             Eigen::AngleAxisd(yaw * yaw_step, Eigen::Vector3d::UnitZ()) *
+    return Eigen::Isometry3d(Eigen::Translation3d(middle) * Eigen::AngleAxisd(yaw * yaw_step, up) *
                              Eigen::Translation3d(-middle) * T_a_b);
   }
   Eigen::Isometry3d at(const Place& p) const {

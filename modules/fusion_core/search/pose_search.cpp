@@ -127,7 +127,7 @@ Points someOf(const Points& points, size_t enough) {
 class PoseSearch {
  public:
   PoseSearch(const MapVoxels& a, const Surfaces& surfaces_a, const SurfaceVoxels& b,
-             const Eigen::Isometry3d& T_a_b, const SearchParams& params)
+             const Eigen::Isometry3d& T_a_b, const SearchParams& params, const Eigen::Vector3d& up)
       : a_(a), params_(params) {
     if (params.isEverywhere())
       walls_.emplace(surfaces_a.normal, b.surfaces.normal, T_a_b, params.wall_share);
@@ -142,7 +142,7 @@ class PoseSearch {
     region_ = region(T_a_b);
     finest_ = layoutFor(b.voxels.resolution);
     radius_ = std::max(radius_, finest_.cell);
-    lattice_ = {T_a_b, middle, finest_.cell, finest_.cell / radius_};
+    lattice_ = {T_a_b, middle, finest_.cell, finest_.cell / radius_, up};
   }
 
   std::vector<Hypothesis> run() {
@@ -228,6 +228,10 @@ class PoseSearch {
         alignFloors(layers_a, low_a, layers_b, low_b, step, params_.height, params_.floor_share);
     if (!floors) return;  // no common height within the bounds
     heights_ = floors->plausible;
+    // If A is tilted, a translation in x and y moves B's floor up or down.
+    const double tilted = lattice_.up.head<2>().norm() * 0.5 * box_a_.diagonal().head<2>().norm();
+    heights_[0] -= tilted;
+    heights_[1] += tilted;
     const Eigen::Vector3d up(0, 0, floors->shift);
     lattice_.T_a_b.pretranslate(up);
     lattice_.middle += up;
@@ -250,7 +254,7 @@ class PoseSearch {
   Window windowOf(const Lattice& lattice, int yaw, const Points& points) const {
     const Eigen::Vector3d lever = lattice.middle - lattice.T_a_b.translation();
     const Eigen::Vector3d swing =
-        Eigen::AngleAxisd(yaw * lattice.yaw_step, Eigen::Vector3d::UnitZ()) * lever - lever;
+        Eigen::AngleAxisd(yaw * lattice.yaw_step, lattice.up) * lever - lever;
     const Eigen::AlignedBox3d box_b = boxOf(points, lattice.turned(yaw));
     Window w;
     for (int axis = 0; axis < 3; axis++) {
@@ -364,11 +368,18 @@ class PoseSearch {
 
 std::vector<Hypothesis> searchAround(const MapVoxels& a, const Surfaces& surfaces_a,
                                      const SurfaceVoxels& b, const Eigen::Isometry3d& T_a_b,
-                                     const SearchParams& params) {
+                                     const SearchParams& params, const Eigen::Vector3d& up) {
   if (a.voxels.size() == 0 || b.voxels.size() == 0 || params.translation <= 0 ||
       params.hypotheses == 0)
     return {};
-  return PoseSearch(a, surfaces_a, b, T_a_b, params).run();
+  return PoseSearch(a, surfaces_a, b, T_a_b, params, up).run();
+}
+
+std::vector<Hypothesis> bestOf(std::vector<Hypothesis> all, const SearchParams& params) {
+  std::stable_sort(all.begin(), all.end(),
+                   [](const auto& g, const auto& h) { return g.score > h.score; });
+  if (all.size() > params.hypotheses) all.resize(params.hypotheses);
+  return all;
 }
 
 }  // namespace mrpt::fusion

@@ -24,10 +24,10 @@ struct Hypothesis {
 
 /** Scores the poses of a lattice around \a T_a_b.
  *
- * The lattice has translations by whole cells and rotations about A's vertical, through the mean of
- * B's voxels and through the origin of B's frame. The steps are so fine that no voxel of B moves by
- * more than a cell between neighbouring poses. An obstacle of B raises the score if A has an
- * obstacle there. It lowers the score if A has seen free space there, away from obstacles.
+ * The lattice has translations by whole cells and rotations about the direction \a up, through the
+ * mean of B's voxels and through the origin of B's frame. The steps are so fine that no voxel of B
+ * moves by more than a cell between neighbouring poses. An obstacle of B raises the score if A has
+ * an obstacle there. It lowers the score if A has seen free space there, away from obstacles.
  *
  * If the poses are many, some of B's voxels choose the poses that all voxels of B score. If the
  * poses are too many for that, a coarser lattice is scored first, on A's octree at a lower depth,
@@ -41,11 +41,17 @@ struct Hypothesis {
  * \param[in] b Some of B's occupied voxels, spread evenly, about one in each cell.
  * \param[in] T_a_b The guess: pose of map B in A's frame.
  * \param[in] params Range and resolution of the search.
+ * \param[in] up Direction of the axis of rotation: A's vertical. Unit vector, A's frame.
  * \return The best poses, best first. They differ by more than SearchParams::distinct_cells or
  * SearchParams::distinct_yaw: more similar poses lead to the same place.
  */
 std::vector<Hypothesis> searchAround(const MapVoxels& a, const Surfaces& surfaces_a,
                                      const SurfaceVoxels& b, const Eigen::Isometry3d& T_a_b,
-                                     const SearchParams& params);
+                                     const SearchParams& params,
+                                     const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ());
+
+/** Returns the best hypotheses of several searches, at most SearchParams::hypotheses, best first.
+ */
+std::vector<Hypothesis> bestOf(std::vector<Hypothesis> all, const SearchParams& params);
 
 }  // namespace mrpt::fusion

@@ -38,6 +38,14 @@ struct AllRotationsParams {
   size_t sample_surfaces = 1500;         ///< Number of surfaces for the directions
 };
 
+/** Settings of searchLevelled(). */
+struct LevellingParams {
+  double max_tilt = 0.4363323129985824;  ///< Largest tilt of a map, rad (25 deg)
+  unsigned block_voxels = 32;            ///< Side of the blocks that give one slope, voxels
+  unsigned min_layer_voxels = 64;        ///< Least number of voxels of a layer
+  double max_cells = 3;  ///< Largest difference of heights that needs no levelling, cells
+};
+
 /** Settings of searchAround(). Half widths may be infinite: the overlap of the maps then bounds the
  * search. */
 struct SearchParams {
@@ -57,6 +65,7 @@ struct SearchParams {
   unsigned distinct_cells = 3;  ///< Largest distance of equal hypotheses, cells
   double distinct_yaw = 0.17453292519943295;  ///< Largest yaw of equal hypotheses, rad (10 deg)
   SearchBudget budget;                        ///< Limits of the cost
+  LevellingParams levelling;                  ///< Settings of the search of tilted maps
   AllRotationsParams all_rotations;           ///< Settings of the search without a common vertical
 
   /** True if the search has no bounds. */
