@@ -25,6 +25,13 @@ namespace {
 
 using OcTreePtr = std::shared_ptr<const octomap::OcTree>;
 
+/** True if a file may hold the nodes of an octree without a header. */
+bool mayBeRaw(const RunContext& run, const std::string& beginning) {
+  return run.args.resolution > 0 && run.args.command != "transform" &&
+         mrpt::fusion::foreignKindOf(beginning).empty() &&
+         !mrpt::fusion::beginsWithObject(beginning);
+}
+
 /** Loads the octree of a file: `.ot`, `.bt`, or nodes without a header if `--resolution` is given.
  * \return Null for another file. */
 OcTreePtr loadOcTree(RunContext& run, const std::string& path) {
@@ -32,9 +39,10 @@ OcTreePtr loadOcTree(RunContext& run, const std::string& path) {
   const double resolution = run.args.resolution;
   std::vector<std::string> notes;
   const auto octree = mrpt::fusion::withPath(path, [&]() -> OcTreePtr {
-    if (mrpt::fusion::isOcTreeFile(mrpt::fusion::beginningOf(path)))
+    const std::string beginning = mrpt::fusion::beginningOf(path);
+    if (mrpt::fusion::isOcTreeFile(beginning))
       return mrpt::fusion::parseOcTreeFile(readFileBytes(path), &notes);
-    if (resolution <= 0) return nullptr;
+    if (!mayBeRaw(run, beginning)) return nullptr;
     return mrpt::fusion::parseRawOcTree(readFileBytes(path), resolution, &notes);
   });
   for (const auto& note : notes) run.note(path + ": " + note);
@@ -73,8 +81,9 @@ bool isOcTree(const std::string& path) {
 }
 
 std::vector<Robot> loadMission(const RunContext& run, const std::string& path) {
-  const bool may_be_raw = run.args.resolution > 0;
-  return may_be_raw || isOcTree(path) ? std::vector<Robot>() : mrptMaps().loadMission(path);
+  const bool is_raw =
+      mrpt::fusion::withPath(path, [&] { return mayBeRaw(run, mrpt::fusion::beginningOf(path)); });
+  return is_raw || isOcTree(path) ? std::vector<Robot>() : mrptMaps().loadMission(path);
 }
 
 std::vector<Robot> loadRobots(RunContext& run) {

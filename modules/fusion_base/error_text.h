@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <typeinfo>
 
 #include "fusion_base/printable.h"
 
@@ -21,7 +22,9 @@ inline std::string messageOf(const std::exception& e) {
   constexpr size_t kMostCharacters = 1000;
   constexpr const char* kLabel = "Message:";
   constexpr size_t kLabelSize = 8;
-  if (dynamic_cast<const std::bad_alloc*>(&e)) return "out of memory";
+  // Classes derived from std::bad_alloc have a reason of their own.
+  if (typeid(e) == typeid(std::bad_alloc) || typeid(e) == typeid(std::bad_array_new_length))
+    return "out of memory";
   const std::string text = e.what();
   const auto lineAt = [&](size_t begin) {
     begin = text.find_first_not_of(' ', begin);

@@ -112,4 +112,17 @@ std::string foreignKindOf(std::string_view beginning) {
   return {};
 }
 
+bool beginsWithObject(std::string_view beginning) {
+  // The length of the name of the class, in MRPT's present format with the highest bit set, then
+  // the name.
+  if (beginning.empty()) return false;
+  const size_t length = static_cast<unsigned char>(beginning[0]) & 0x7FU;
+  constexpr size_t kShortest = 4;
+  const std::string_view name = beginning.substr(1, length);
+  return length >= kShortest && name.size() + 1 == std::min(beginning.size(), length + 1) &&
+         std::all_of(name.begin(), name.end(), [](unsigned char c) {
+           return std::isalnum(c) || c == '_' || c == ':' || c == '<' || c == '>' || c == ',';
+         });
+}
+
 }  // namespace mrpt::fusion

@@ -14,4 +14,8 @@ namespace mrpt::fusion {
  * map. \param[in] beginning First bytes of the file, see beginningOf(). */
 std::string foreignKindOf(std::string_view beginning);
 
+/** True if a file begins as MRPT writes objects: rawlog, simplemap, serialized map.
+ * \param[in] beginning First bytes of the file, see beginningOf(). */
+bool beginsWithObject(std::string_view beginning);
+
 }  // namespace mrpt::fusion

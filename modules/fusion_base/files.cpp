@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
+#include <thread>
 
 #include "fusion_base/gzip.h"
 
@@ -26,6 +27,8 @@ std::string systemError(const std::string& what) { return what + ": " + std::str
 
 /** Names of the temporary files that exist. A signal handler reads them, so there is no lock. */
 std::array<std::atomic<const char*>, 16> temporary_files{};
+/** Number of calls of removeTemporaryFiles() that are running. A name must outlive them. */
+std::atomic<int> removing{0};
 
 /** Enters a name in the list of temporary files as long as it lives. If the list is full, a signal
  * leaves the file. */
@@ -41,7 +44,10 @@ class TemporaryName {
     }
   }
   ~TemporaryName() {
-    if (slot_) slot_->store(nullptr);
+    if (!slot_) return;
+    slot_->store(nullptr);
+    // A signal handler in another thread may hold the name.
+    while (removing.load() > 0) std::this_thread::yield();
   }
   TemporaryName(const TemporaryName&) = delete;
   TemporaryName& operator=(const TemporaryName&) = delete;
@@ -189,8 +195,10 @@ void writeFileAtomically(const std::string& path,
 }
 
 void removeTemporaryFiles() noexcept {
+  removing.fetch_add(1);
   for (auto& slot : temporary_files)
     if (const char* name = slot.load()) ::unlink(name);
+  removing.fetch_sub(1);
 }
 
 }  // namespace mrpt::fusion

@@ -41,3 +41,16 @@ TEST(FileKind, IsUnknownForBytesThatMayBeAMap) {
   for (const auto bytes : {"\x96mrpt::maps::CProbOctoMap"sv, "\0\0\0\0\0"sv, ""sv, "abc"sv})
     EXPECT_EQ("", foreignKindOf(bytes));
 }
+
+TEST(FileKind, ObjectsOfMrptBeginWithTheNameOfTheirClass) {
+  using namespace std::string_view_literals;
+  for (const auto bytes : {"\x98mrpt::maps::CProbOctoMap\0"sv, "\x8d"
+                                                               "CSensoryFrame\x02"sv,
+                           "\x0d"
+                           "CSensoryFrame\x02"sv})
+    EXPECT_TRUE(beginsWithObject(bytes)) << bytes;
+  // Nodes of octrees: a log-odds (float) and the mask of children, or two bytes of children.
+  for (const auto bytes :
+       {""sv, "\0\0\0\0\xff"sv, "\x9a\x99\x19?\x01\x9a\x99\x19?"sv, "\x55\xaa\x55"sv})
+    EXPECT_FALSE(beginsWithObject(bytes)) << bytes;
+}

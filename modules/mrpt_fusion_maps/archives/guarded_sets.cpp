@@ -21,23 +21,32 @@ using mrpt::rtti::CObject;
 namespace mrpt::fusion {
 namespace {
 
-/** Returns the lowest place on the stack of this thread down to which objects may nest. */
-const char* lowestPlace() {
+/** Part of the stack of this thread down into which objects must not nest. */
+struct Forbidden {
+  const char *begin = nullptr, *end = nullptr;
+
+  /** False on a stack of another kind, as of a fiber: its bounds are not known. */
+  bool holds(const char* place) const { return place >= begin && place < end; }
+};
+
+Forbidden forbiddenPart() {
   // Bytes; 8 MB is the usual size of a stack. The destructors of nested sets need more than
   // reading.
   constexpr size_t kMost = size_t{1} << 20U;
   pthread_attr_t attributes;
   void* low = nullptr;
   size_t size = 0;
-  if (::pthread_getattr_np(::pthread_self(), &attributes) != 0) return nullptr;
+  if (::pthread_getattr_np(::pthread_self(), &attributes) != 0) return {};
   ::pthread_attr_getstack(&attributes, &low, &size);
   ::pthread_attr_destroy(&attributes);
-  return static_cast<const char*>(low) + size - std::min(kMost, size / 2);
+  const char* const begin = static_cast<const char*>(low);
+  return {begin, begin + size - std::min(kMost, size / 2)};
 }
 
 CObject::Ptr createSet() {
-  thread_local const char* const lowest = lowestPlace();
-  if (stackPosition() < lowest) throw ReadingStopped("too many sets of maps within each other");
+  thread_local const Forbidden forbidden = forbiddenPart();
+  if (forbidden.holds(stackPosition()))
+    throw ReadingStopped("too many sets of maps within each other");
   return CMultiMetricMap::CreateObject();
 }
 

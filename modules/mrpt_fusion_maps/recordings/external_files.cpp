@@ -52,7 +52,9 @@ std::string imagesDirectoryOf(const std::string& recording) {
   const auto folder = std::filesystem::absolute(file).parent_path();
   if (file.extension() == ".gz") file.replace_extension();
   const auto own = folder / (file.stem().string() + "_Images");
-  return (std::filesystem::is_directory(own) ? own : folder / "Images").string() + "/";
+  for (const auto& directory : {own, folder / "Images"})
+    if (std::filesystem::is_directory(directory)) return directory.string() + "/";
+  return folder.string() + "/";
 }
 
 void loadExternalData(const CObservation& obs) {
