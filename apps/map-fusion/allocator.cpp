@@ -6,7 +6,41 @@
  * spent on page faults, so we use huge pages. Our programs run for a short time, so freed memory is
  * kept for later use. */
 
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <string_view>
+
 extern "C" {
 extern const char* malloc_conf;
 const char* malloc_conf = "thp:always,dirty_decay_ms:-1,muzzy_decay_ms:-1";
 }
+
+namespace {
+
+/** Prepares for little memory if the address space is limited (ulimit -v). */
+void prepareForLittleMemory() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
+  // jemalloc 5.3 crashes if a new thread finds no memory for an arena of its own.
+  malloc_conf = "narenas:1,thp:always,dirty_decay_ms:-1,muzzy_decay_ms:-1";
+  // It also crashes if there is too little memory for its own start and for the constructors of
+  // libraries.
+  constexpr size_t kStart = size_t{12} << 20U;
+  void* start = ::mmap(nullptr, kStart, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (start != MAP_FAILED) {
+    ::munmap(start, kStart);
+    return;
+  }
+  constexpr std::string_view kMessage = "map-fusion: out of memory\n";
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kMessage.data(), kMessage.size());
+  ::_exit(1);
+}
+
+// The functions of this section run before the constructors of all libraries. The first of these
+// that allocates makes jemalloc read its settings.
+[[gnu::section(".preinit_array"),
+  gnu::used]] void (*const before_libraries)() = prepareForLittleMemory;
+
+}  // namespace

@@ -45,6 +45,7 @@ int main(int argc, char** argv) {
   using namespace map_fusion;
   try {
     handleSignals();
+    handleLackOfMemory();
     Arguments args;
     if (const auto code = parseArguments(argc, argv, args)) return *code;
     std::unique_ptr<tbb::global_control> limit;

@@ -7,14 +7,30 @@
 #include <dlfcn.h>
 
 #include <atomic>
+#include <new>
 #include <stdexcept>
 #include <string>
 
 namespace map_fusion {
 
 namespace {
+
 std::atomic<const MrptMaps*> loaded_maps{nullptr};
+
+/** Throws the reason why the module cannot be loaded. */
+[[noreturn]] void throwLoadError() {
+  const char* error = ::dlerror();
+  const std::string reason = error ? error : "cannot be loaded";
+  // The loader of the system has words, no error codes. "TLS" is a limit of the loader itself.
+  const auto says = [&](const char* words) { return reason.find(words) != std::string::npos; };
+  if ((says("failed to map segment") || says("cannot map") || says("annot allocate") ||
+       says("cannot create")) &&
+      !says("static TLS"))
+    throw std::bad_alloc();
+  throw std::runtime_error("MRPT's maps: " + reason);
 }
+
+}  // namespace
 
 const MrptMaps* loadedMrptMaps() noexcept { return loaded_maps.load(); }
 
@@ -23,7 +39,7 @@ const MrptMaps& mrptMaps() {
     void* module =
         ::dlopen(MRPT_MAPS_MODULE, RTLD_LAZY);  // searched in the run path of this program
     void* entry = module ? ::dlsym(module, "mrptMapsOfModule") : nullptr;
-    if (!entry) throw std::runtime_error(std::string("MRPT's maps: ") + ::dlerror());
+    if (!entry) throwLoadError();
     const MrptMaps* loaded = reinterpret_cast<const MrptMaps* (*)()>(entry)();
     loaded_maps.store(loaded);
     return *loaded;

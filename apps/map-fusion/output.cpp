@@ -10,7 +10,9 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
+#include <string_view>
 
 #include "fusion_base/files.h"
 #include "fusion_base/printable.h"
@@ -20,6 +22,24 @@
 namespace fs = std::filesystem;
 
 namespace map_fusion {
+
+namespace {
+
+/** Returns what the system knows of an output. Returns nothing if it does not exist. In contrast to
+ * std::filesystem::equivalent(), pipes have an identity, too. */
+std::optional<struct stat> identityOf(std::string_view output) {
+  struct stat file {};
+  const int failed = output == mrpt::fusion::kStandardOutput
+                         ? ::fstat(STDOUT_FILENO, &file)
+                         : ::stat(std::string(output).c_str(), &file);
+  return failed ? std::nullopt : std::optional(file);
+}
+
+bool isSameFile(const struct stat& a, const std::optional<struct stat>& b) {
+  return b && a.st_dev == b->st_dev && a.st_ino == b->st_ino;
+}
+
+}  // namespace
 
 Progress::Progress(bool wanted)
     : terminal_(wanted && ::isatty(STDERR_FILENO) == 1
@@ -44,23 +64,19 @@ void Progress::clear() {
 
 bool isStandardOutput(const std::string& path) {
   if (path == mrpt::fusion::kStandardOutput) return true;
-  struct stat file {};
-  struct stat out {};
-  return ::stat(path.c_str(), &file) == 0 && ::fstat(STDOUT_FILENO, &out) == 0 &&
-         file.st_dev == out.st_dev && file.st_ino == out.st_ino;
+  const auto file = identityOf(path);
+  return file && isSameFile(*file, identityOf(mrpt::fusion::kStandardOutput));
 }
 
 bool isSameOutput(const std::string& a, const std::string& b) {
-  const auto pathOf = [](const std::string& path) -> fs::path {
-    return path == mrpt::fusion::kStandardOutput ? "/dev/stdout" : path;
-  };
-  std::error_code ignored;
   if (a == b && a == mrpt::fusion::kStandardOutput) return true;
-  if (fs::equivalent(pathOf(a), pathOf(b), ignored))
-    return !fs::is_character_file(pathOf(a), ignored);
-  return fs::weakly_canonical(fs::absolute(pathOf(a)), ignored) ==
-             fs::weakly_canonical(fs::absolute(pathOf(b)), ignored) &&
-         !fs::exists(pathOf(a), ignored);
+  const auto file_a = identityOf(a);
+  const auto file_b = identityOf(b);
+  if (file_a && isSameFile(*file_a, file_b)) return !S_ISCHR(file_a->st_mode);
+  if (file_a || file_b) return false;
+  std::error_code ignored;
+  return fs::weakly_canonical(fs::absolute(a), ignored) ==
+         fs::weakly_canonical(fs::absolute(b), ignored);
 }
 
 void checkWritable(const std::string& path, const std::vector<std::string>& inputs) {

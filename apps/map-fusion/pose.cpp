@@ -7,6 +7,7 @@
 #include <mrpt/fusion/poses.h>
 
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
@@ -34,6 +35,9 @@ std::vector<double> parseNumbers(const std::string& text, size_t count, const st
     } catch (const std::exception&) {
       used = 0;
     }
+    const auto is_text = [](char c) { return c > ' ' && c <= '~'; };
+    if (!std::all_of(word.begin(), word.end(), is_text))  // never the bytes of, say, a picture
+      throw std::runtime_error(what + ": there are characters that belong to no number");
     if (used != word.size() || !std::isfinite(value))
       throw std::runtime_error(what + ": '" + word.substr(0, 20) + "' is not a finite number");
     numbers.push_back(value);

@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Removes temporary files when a signal ends the program. */
+ * Removes temporary files when a signal or a lack of memory ends the program. */
 
 #include "signals.h"
 
-#include <csignal>
+#include <unistd.h>
 
+#include <csignal>
+#include <cstdlib>
+#include <exception>
+#include <new>
+#include <string_view>
+
+#include "arguments.h"
 #include "fusion_base/files.h"
 #include "mrpt_maps.h"
 
@@ -13,14 +20,36 @@ namespace map_fusion {
 
 namespace {
 
-extern "C" void endBySignal(int signal) {
+void removeTemporaryFiles() noexcept {
   mrpt::fusion::removeTemporaryFiles();
   if (const MrptMaps* maps = loadedMrptMaps()) maps->removeTemporaryFiles();
+}
+
+extern "C" void endBySignal(int signal) {
+  removeTemporaryFiles();
   // SA_RESETHAND: the signal has its usual effect, when this function has returned.
   ::raise(signal);
 }
 
+std::terminate_handler usual_end = nullptr;
+
+[[noreturn]] void endByException() {
+  try {
+    if (std::current_exception()) throw;
+  } catch (const std::bad_alloc&) {
+    removeTemporaryFiles();
+    constexpr std::string_view kMessage = "map-fusion: out of memory\n";
+    [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kMessage.data(), kMessage.size());
+    std::_Exit(kFailure);
+  } catch (...) {  // a fault of the program
+  }
+  usual_end();
+  std::abort();
+}
+
 }  // namespace
+
+void handleLackOfMemory() { usual_end = std::set_terminate(endByException); }
 
 void handleSignals() {
   ::signal(SIGXFSZ, SIG_IGN);

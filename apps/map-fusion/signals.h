@@ -2,7 +2,7 @@
 #pragma once
 
 /** \file
- * What signals do to a run. */
+ * How a run ends before its time. */
 
 namespace map_fusion {
 
@@ -10,5 +10,9 @@ namespace map_fusion {
  * that grows too large (SIGXFSZ) becomes an error of writing. Signals that the caller of the
  * program ignores stay ignored. */
 void handleSignals();
+
+/** Makes std::bad_alloc end the program as a failure, with one line, where no function can catch
+ * it: in constructors of libraries that are being loaded, and in functions that must not throw. */
+void handleLackOfMemory();
 
 }  // namespace map_fusion

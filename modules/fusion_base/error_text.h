@@ -26,6 +26,8 @@ inline std::string messageOf(const std::exception& e) {
   if (typeid(e) == typeid(std::bad_alloc) || typeid(e) == typeid(std::bad_array_new_length))
     return "out of memory";
   const std::string text = e.what();
+  // oneTBB's words if there is no memory for the stack of a thread, or if no thread may be added.
+  if (text.rfind("pthread_create has failed", 0) == 0) return "out of memory or of threads";
   const auto lineAt = [&](size_t begin) {
     begin = text.find_first_not_of(' ', begin);
     if (begin == std::string::npos) return std::string();

@@ -5,6 +5,8 @@
 #include <octomap/octomap.h>
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include "run.h"
 
@@ -124,6 +126,32 @@ TEST_F(BadInput, WrongUsageIsExitCode2) {
     EXPECT_EQ(r.code, 2) << wrong;
     EXPECT_NE(r.err, "") << wrong;
   }
+}
+
+TEST_F(BadInput, AnUnknownCommandNamesTheNearest) {
+  for (const auto& [word, nearest] :
+       std::vector<std::pair<std::string, std::string>>{{"matc", "match"},
+                                                        {"Match", "match"},
+                                                        {"fues", "fuse"},
+                                                        {"mrege", "merge"},
+                                                        {"evalute", "evaluate"},
+                                                        {"transfrom", "transform"},
+                                                        {"inf", "info"},
+                                                        {"bild", "build"},
+                                                        {"unpack", "pack"},
+                                                        {"edge", "edges"}}) {
+    const auto r = mapFusion(word + " a b");
+    EXPECT_EQ(r.code, 2) << word;
+    EXPECT_EQ(r.out, "") << word;
+    EXPECT_NE(r.err.find("no command '" + word + "'; the nearest is '" + nearest + "'"),
+              std::string::npos)
+        << r.err;
+  }
+  const auto r = mapFusion("\"$(printf 'm\\033[2J\\377atch')\" a b");
+  EXPECT_EQ(r.code, 2);
+  EXPECT_EQ(r.err.find('\x1b'), std::string::npos);
+  EXPECT_EQ(r.err.find('\xff'), std::string::npos);
+  EXPECT_LT(mapFusion(std::string(5000, 'm')).err.size(), 500U);
 }
 
 }  // namespace

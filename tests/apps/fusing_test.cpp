@@ -91,9 +91,15 @@ TEST_F(Fusing, LeavesLessUncertaintyThanThePapersBaselines) {
   EXPECT_LT(entropy["bayes"], entropy["relative_entropy"]);
 }
 
-TEST_F(Fusing, AGuess30mOffIsRejectedAndNothingIsMerged) {
-  const std::string arguments =
-      "fuse " + both() + " --init " + guess(30, 0) + " -o fused.ot --json report.json";
+TEST_F(Fusing, AGuess30mOffIsNoWorseThanNone) {
+  const auto r = mapFusion("match " + both() + " --init " + guess(30, 0) + " --pose-out T.txt");
+  ASSERT_EQ(r.code, 0) << r.out << r.err;
+  expectNearTruth(dir_ / "T.txt");
+}
+
+TEST_F(Fusing, AGuess30mOffThatIsSaidToBeGoodIsRejectedAndNothingIsMerged) {
+  const std::string arguments = "fuse " + both() + " --init " + guess(30, 0) +
+                                " --init-sigma 0.5 5 -o fused.ot --json report.json";
   const auto r = mapFusion(arguments);
   EXPECT_EQ(r.code, 3);
   EXPECT_NE(r.out.find("REJECTED"), std::string::npos);

@@ -38,6 +38,11 @@ TEST(MessageOf, IsNeverEmpty) {
   EXPECT_EQ(messageOf(std::bad_alloc()), "out of memory");
 }
 
+TEST(MessageOf, SaysThatMemoryIsOutIfNoThreadCanBeStarted) {
+  EXPECT_EQ(messageOfText("pthread_create has failed: Resource temporarily unavailable"),
+            "out of memory or of threads");
+}
+
 TEST(MessageOf, HoldsNoControlCharacters) {
   EXPECT_EQ(messageOfText("class '\x1b[2J\x9b\x7f\xc2\x85' in m\u00fcnchen.ot"),
             "class '\\x1b[2J\\x9b\\x7f\\xc2\\x85' in m\u00fcnchen.ot");

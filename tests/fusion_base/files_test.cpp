@@ -8,10 +8,14 @@
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
+#include <functional>
 #include <stdexcept>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "support/file_tools.h"
@@ -52,6 +56,28 @@ TEST(Files, AWrittenFileHasTheRightsOfAnyNewFile) {
   struct stat st {};
   ASSERT_EQ(0, ::stat(dir.path("map.ot").c_str(), &st));
   EXPECT_EQ(mode_t{0640}, st.st_mode & 0777);
+}
+
+TEST(Files, AReplacedFileKeepsItsRights) {
+  const TempDir dir;
+  const std::string path = dir.path("map.ot");
+  for (const mode_t rights : {0600U, 0640U, 0666U, 0400U}) {
+    writeFileAtomically(path, "old");
+    ASSERT_EQ(0, ::chmod(path.c_str(), rights));
+    writeFileAtomically(path, [&](const mrpt::fusion::ByteSink& sink) {
+      sink("new");
+      for (const auto& file : dir.files()) {
+        struct stat st {};
+        ASSERT_EQ(0, ::stat(dir.path(file).c_str(), &st));
+        EXPECT_EQ(0U, st.st_mode & 0777U & ~rights) << file << " can be read by others";
+      }
+    });
+    struct stat st {};
+    ASSERT_EQ(0, ::stat(path.c_str(), &st));
+    EXPECT_EQ(rights, st.st_mode & 07777U);
+    EXPECT_EQ("new", readRaw(path));
+    std::filesystem::remove(path);
+  }
 }
 
 TEST(Files, AFailedWriteKeepsTheOldFileAndLeavesNoOther) {
@@ -117,6 +143,51 @@ TEST(Files, OfALinkWhatItLeadsToIsReplaced) {
   EXPECT_EQ((std::vector<std::string>{"file", "link"}), dir.files());
 }
 
+TEST(Files, APipeIsReadToItsEnd) {
+  const TempDir dir;
+  const std::string pipe = dir.path("pipe");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::string bytes(300'000, 'x');  // more than a pipe holds
+  for (size_t i = 0; i < bytes.size(); i += 7) bytes[i] = static_cast<char>(i);
+  for (const auto& [sent, most] : {std::pair(bytes, bytes.size()), std::pair(bytes, size_t{1000}),
+                                   std::pair(std::string(), size_t{10})}) {
+    std::thread writer([&] {
+      const int fd = ::open(pipe.c_str(), O_WRONLY);
+      size_t done = 0;
+      while (done < sent.size()) {
+        const ssize_t n = ::write(fd, sent.data() + done, sent.size() - done);
+        if (n <= 0) break;  // the reader has had enough
+        done += static_cast<size_t>(n);
+      }
+      ::close(fd);
+    });
+    auto* const old_handler = ::signal(SIGPIPE, SIG_IGN);
+    std::string read;
+    const std::string error = errorOf([&] { read = readFileBytes(pipe, most); });
+    writer.join();
+    ::signal(SIGPIPE, old_handler);
+    if (sent.size() > most) {
+      EXPECT_NE(std::string::npos, error.find("more than 1000 bytes")) << error;
+    } else if (sent.empty()) {
+      EXPECT_EQ("is empty", error);
+    } else {
+      EXPECT_EQ("", error);
+      EXPECT_TRUE(read == bytes);
+    }
+  }
+}
+
+TEST(Files, ReadFileBytesHasALimit) {
+  const TempDir dir;
+  writeRaw(dir.path("bytes"), "12345");
+  EXPECT_EQ("12345", readFileBytes(dir.path("bytes"), 5));
+  EXPECT_EQ("has more than 4 bytes: too many",
+            errorOf([&] { readFileBytes(dir.path("bytes"), 4); }));
+  if (!std::filesystem::is_character_file("/dev/zero")) GTEST_SKIP() << "/dev/zero is no device";
+  EXPECT_EQ("has more than 100000 bytes: too many",
+            errorOf([&] { readFileBytes("/dev/zero", 100'000); }));
+}
+
 TEST(Files, APipeIsNoMap) {
   const TempDir dir;
   ASSERT_EQ(::mkfifo(dir.path("pipe").c_str(), 0600), 0);
@@ -136,4 +207,69 @@ TEST(Files, ADeviceIsWrittenToNotReplaced) {
   EXPECT_NE(std::string::npos, error.find("No space left")) << error;
   EXPECT_EQ((std::vector<std::string>{"full", "null"}), dir.files());
   for (const auto& name : dir.files()) EXPECT_TRUE(std::filesystem::is_symlink(dir.path(name)));
+}
+
+// ---------------------------------------------------------------- what a signal handler does
+
+TEST(RemoveTemporaryFiles, RemovesTheFilesThatAreBeingWritten) {
+  const TempDir dir;
+  writeFileAtomically(dir.path("done"), "before");
+  const auto inner = [&](const mrpt::fusion::ByteSink& sink) {
+    sink("b");
+    ASSERT_EQ(3U, dir.files().size()) << "two temporary files";
+    mrpt::fusion::removeTemporaryFiles();
+    EXPECT_EQ(std::vector<std::string>{"done"}, dir.files());
+  };
+  const auto outer = [&](const mrpt::fusion::ByteSink& sink) {
+    sink("a");
+    EXPECT_THROW(writeFileAtomically(dir.path("new"), inner), std::runtime_error);
+  };
+  EXPECT_THROW(writeFileAtomically(dir.path("done"), outer), std::runtime_error)
+      << "there is no file to give a name to";
+  EXPECT_EQ(std::vector<std::string>{"done"}, dir.files());
+  EXPECT_EQ("before", readRaw(dir.path("done")));
+}
+
+TEST(RemoveTemporaryFiles, LeavesFilesThatAreDone) {
+  const TempDir dir;
+  for (int i = 0; i < 100; i++) {  // more than there are places in the list
+    writeFileAtomically(dir.path("map"), std::to_string(i));
+    EXPECT_THROW(writeFileAtomically(dir.path("map"), [](const auto&) { throw 1; }), int);
+  }
+  mrpt::fusion::removeTemporaryFiles();
+  EXPECT_EQ(std::vector<std::string>{"map"}, dir.files());
+  const auto write = [&](const mrpt::fusion::ByteSink&) {
+    EXPECT_EQ(2U, dir.files().size());
+    mrpt::fusion::removeTemporaryFiles();
+    EXPECT_EQ(1U, dir.files().size());
+  };
+  EXPECT_THROW(writeFileAtomically(dir.path("map"), write), std::runtime_error);
+  EXPECT_EQ("99", readRaw(dir.path("map")));
+}
+
+TEST(RemoveTemporaryFiles, LeavesFilesAboveTheSizeOfItsList) {
+  const TempDir dir;
+  std::function<void(int)> write = [&](int depth) {
+    writeFileAtomically(dir.path(std::to_string(depth)), [&](const mrpt::fusion::ByteSink&) {
+      if (depth > 0) write(depth - 1);
+    });
+  };
+  EXPECT_NO_THROW(write(40));
+  EXPECT_EQ(41U, dir.files().size());
+}
+
+TEST(RemoveTemporaryFiles, MayBeCalledByASignalHandler) {
+  const TempDir dir;
+  const auto end_by_signal = [&] {
+    ::signal(SIGTERM, [](int) {
+      mrpt::fusion::removeTemporaryFiles();
+      ::_exit(3);
+    });
+    writeFileAtomically(dir.path("map"), [](const mrpt::fusion::ByteSink& sink) {
+      sink(std::string(100'000, 'x'));
+      ::raise(SIGTERM);
+    });
+  };
+  EXPECT_EXIT(end_by_signal(), testing::ExitedWithCode(3), "");
+  EXPECT_TRUE(dir.files().empty());
 }

@@ -27,6 +27,8 @@ namespace mrpt::fusion {
 
 namespace {
 
+constexpr const char* kNoObject = "its bytes do not begin an object of MRPT";
+
 /** Reads the class of an object. MRPT's errors are about its own formats and advise on them. */
 ObjectHeader readHeader(GuardedArchive& in) {
   try {
@@ -36,13 +38,21 @@ ObjectHeader readHeader(GuardedArchive& in) {
   } catch (const mrpt::serialization::CExceptionEOF&) {
     throw;
   } catch (const std::exception&) {
-    throw std::runtime_error("its bytes do not begin an object of MRPT");
+    throw std::runtime_error(kNoObject);
   }
+}
+
+/** Returns whether a text may be the name of a class. If not, it is bytes of another format. */
+bool isClassName(const std::string& text) {
+  constexpr const char* kCharacters =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_:<>, ";
+  return !text.empty() && text.find_first_not_of(kCharacters) == std::string::npos;
 }
 
 /** Reads an object of any class. \exception std::exception If it is null or damaged. */
 CSerializable::Ptr readObject(GuardedArchive& in) {
   const ObjectHeader header = readHeader(in);
+  if (!isClassName(header.class_name)) throw std::runtime_error(kNoObject);
   if (isMap(header)) return readMap(in, header);
   const auto* id = mrpt::rtti::findRegisteredClass(header.class_name);
   if (!id || !id->ptrCreateObject)
