@@ -71,6 +71,9 @@ std::unique_ptr<octomap::OcTree> parsePlainFile(std::string_view bytes, size_t m
   NodeReader reader(h.data, *tree, NodeReader::Infinities::Clamp, most_memory);
   const size_t count = reader.read(layout);
   notes.addOn(reader);
+  if (count != h.size && reader.bytesLeft() > 0)
+    throw std::runtime_error("is damaged: the header announces " + std::to_string(h.size) +
+                             " nodes, the data holds " + std::to_string(count) + " and more bytes");
   if (count != h.size)
     notes.add("the header announces " + std::to_string(h.size) + " nodes, the data holds " +
               std::to_string(count) + ": all nodes of the data are used");

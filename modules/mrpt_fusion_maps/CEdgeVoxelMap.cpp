@@ -71,11 +71,9 @@ namespace {
 /** Largest radius of eq. (6), voxels, see EdgeParams. */
 constexpr double kMostRadius = 64;
 
-/** Reads the edge voxels without covariances from an octree of probabilityTree(). Takes the cost of
- * the covariances from the budget.
+/** Reads the edge voxels without covariances from an octree of probabilityTree().
  * \exception std::exception If the octree does not hold edge voxels, or the cost is too high. */
-EdgeVoxels bareEdgesOf(const octomap::OcTree& tree, double direction_radius,
-                       ReadingBudget& budget) {
+EdgeVoxels bareEdgesOf(const octomap::OcTree& tree, double direction_radius) {
   EdgeVoxels edges;
   edges.resolution = tree.getResolution();
   edges.direction_radius = direction_radius;
@@ -91,9 +89,9 @@ EdgeVoxels bareEdgesOf(const octomap::OcTree& tree, double direction_radius,
   }
   const uint64_t pairs =
       edgePairs(keys, std::min(kMostRadius, direction_radius / edges.resolution));
-  if (pairs > budget.edge_pairs)
+  // Of each map alone: covariances are computed for the maps that are used, not for all updates.
+  if (pairs > ReadingBudget::kMostEdgePairs)
     throw ReadingStopped("corrupt stream: the edge voxels are too dense for their radius");
-  budget.edge_pairs -= pairs;
   return edges;
 }
 
@@ -131,7 +129,7 @@ void CEdgeVoxelMap::serializeFrom(mrpt::serialization::CArchive& in, uint8_t ver
                "CEdgeVoxelMap: corrupt stream: wrong radius");
     octomap::OcTree tree(resolution);
     unpackNodes(nodes, guarded.budget(), tree);
-    map.m_edges = std::make_shared<Edges>(bareEdgesOf(tree, direction_radius, guarded.budget()));
+    map.m_edges = std::make_shared<Edges>(bareEdgesOf(tree, direction_radius));
   }
   *this = std::move(map);
 }

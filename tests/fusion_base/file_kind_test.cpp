@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+using mrpt::fusion::beginsWithObject;
 using mrpt::fusion::foreignKindOf;
 
 TEST(FileKind, SaysWhatAFileSeemsToBe) {
@@ -44,8 +45,9 @@ TEST(FileKind, IsUnknownForBytesThatMayBeAMap) {
 
 TEST(FileKind, ObjectsOfMrptBeginWithTheNameOfTheirClass) {
   using namespace std::string_view_literals;
-  for (const auto bytes : {"\x98mrpt::maps::CProbOctoMap\0"sv, "\x8d"
-                                                               "CSensoryFrame\x02"sv,
+  for (const auto bytes : {"\x98mrpt::maps::CProbOctoMap\0"sv,
+                           "\x8d"
+                           "CSensoryFrame\x02"sv,
                            "\x0d"
                            "CSensoryFrame\x02"sv})
     EXPECT_TRUE(beginsWithObject(bytes)) << bytes;

@@ -171,6 +171,13 @@ TEST(OctomapKinds, AWrongNumberOfNodesIsNoted) {
   EXPECT_TRUE(notesOf(otOf(tree)).empty());
 }
 
+TEST(OctomapKinds, AWrongNumberOfNodesWithBytesLeftIsDamage) {
+  const auto tree = filled<OcTree>();
+  for (const std::string& bytes : {otOf(tree), btOf(tree)})
+    EXPECT_NE(errorOf([&] { parseOcTreeFile(withSize(bytes, "42") + "more"); }).find("damaged"),
+              std::string::npos);
+}
+
 TEST(OctomapKinds, ZeroNodesAreAnEmptyMap) {
   const std::string bytes = withSize(otOf(filled<OcTree>()), "0");
   std::istringstream in(bytes);

@@ -94,20 +94,26 @@ TEST(FusingMany, LeavesOutWhatIsFromElsewhere) {
 }
 
 TEST(FusingMany, UsesThePosesThatTheMapsBring) {
-  // The common frame is somewhere; a wrong pose, said to be right, has the other looked for there.
+  // The common frame is somewhere. A wrong pose with a small covariance is believed: the other map
+  // is only looked for there. A wrong pose without a covariance is a hint.
   const Eigen::Isometry3d T_common_a = poseOf(100, 50, 3, 77, 0, 0);
   auto a = CObservationLocalMap::Create(*mission().a),
        b = CObservationLocalMap::Create(*mission().b);
   a->pose = mrpt::poses::CPose3DPDFGaussian(toPose(T_common_a));
-  const auto fused = [&](const Eigen::Isometry3d& T_a_b) {
+  const auto fused = [&](const Eigen::Isometry3d& T_a_b, double variance = 0) {
     b->pose = mrpt::poses::CPose3DPDFGaussian(toPose(T_common_a * T_a_b));
+    b->pose.cov.setDiagonal(6, variance);
     CProbabilisticMapMatching matching;
     return fuseMaps(matching, {a, b}).members[1];
   };
   const auto right = fused(poseOf(0.5, -0.3, 0, 5, 0, 0) * mission().pair.truth);
   EXPECT_TRUE(right.joined);
   EXPECT_LT(distance(right, mission().pair.truth), kVoxel);
-  const auto wrong = fused(poseOf(40, 0, 0, 0, 0, 0) * mission().pair.truth);
+  const Eigen::Isometry3d elsewhere = poseOf(40, 0, 0, 0, 0, 0) * mission().pair.truth;
+  const auto hinted = fused(elsewhere);
+  EXPECT_TRUE(hinted.joined);
+  EXPECT_LT(distance(hinted, mission().pair.truth), kVoxel);
+  const auto wrong = fused(elsewhere, 0.01);
   EXPECT_FALSE(wrong.joined);
   EXPECT_GT(distance(wrong, mission().pair.truth), 20);
 }

@@ -450,7 +450,14 @@ TEST_F(MapMatching, APriorBoundsTheSearch) {
     return metresBetween(toEigen(gaussian(with_search.Align3DPDF(&a, &b, from)).mean),
                          maps().truth);
   };
+  with_search.options.evaluation.sure_probability = 0;  // no wider search
   EXPECT_GT(errorFrom(prior), 1) << "beyond what is configured";
+  prior.cov.setDiagonal(6, 0.04);
+  EXPECT_GT(errorFrom(prior), 1) << "beyond what the covariance allows";
+  with_search.options = CProbabilisticMapMatching().options;
+  EXPECT_GT(errorFrom(prior), 1) << "a wider search stays within the covariance";
+  prior.cov.setDiagonal(6, 0);
+  EXPECT_LT(errorFrom(prior), 0.1) << "without a covariance the search goes everywhere";
   prior.cov(0, 0) = prior.cov(1, 1) = 16;
   prior.cov(2, 2) = 0.04;
   prior.cov(3, 3) = 0.64;
@@ -520,13 +527,19 @@ TEST_F(MapMatching, AWrongGuessIsFoundOutUnlessTheMatchIsSure) {
 
   matching.options.evaluation.sure_probability = 1;
   matching.Align3D(&same, &same, turned_round, info);
-  EXPECT_FALSE(info.evaluation.accepted);
-  EXPECT_TRUE(info.evaluation.is_ambiguous);
-  EXPECT_GT(info.evaluation.runner_up, 1);
-  EXPECT_LT(info.evaluation.probability, 0.5);
+  // The better pose elsewhere is the result, and the match near the guess is its rival.
+  EXPECT_TRUE(info.evaluation.accepted);
+  EXPECT_LT(metresBetween(info.match.T_a_b, Eigen::Isometry3d::Identity()), 0.05);
   ASSERT_GE(info.match.hypotheses.size(), 2U);
-  EXPECT_NEAR(degreesBetween(info.match.hypotheses[0].T_a_b, toEigen(turned_round)), 0, 1);
-  EXPECT_LT(metresBetween(info.match.hypotheses[1].T_a_b, Eigen::Isometry3d::Identity()), 0.05);
+  EXPECT_NEAR(degreesBetween(info.match.hypotheses[1].T_a_b, toEigen(turned_round)), 0, 1);
+
+  // Rejected if the pose elsewhere does not pass the test of rivals.
+  matching.options.evaluation.min_probability = 1;
+  matching.options.evaluation.sure_probability = 0.999;
+  matching.Align3D(&same, &same, turned_round, info);
+  EXPECT_FALSE(info.evaluation.accepted);
+  matching.options = CProbabilisticMapMatching().options;
+  matching.options.evaluation.sure_probability = 1;
 
   const auto judged = matching.evaluate(same, same, turned_round);
   EXPECT_TRUE(judged.evaluation.is_ambiguous);

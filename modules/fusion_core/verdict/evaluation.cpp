@@ -3,9 +3,6 @@
  * Computes the evidence for and against a match, and the verdict. */
 #include "fusion_core/verdict/evaluation.h"
 
-#include <mrpt/core/bits_math.h>
-#include <mrpt/fusion/poses.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -36,11 +33,15 @@ std::string textOf(const PoseDeviation& d) {
 /** Returns a pose as MRPT writes it, with a space before it; nothing for no pose. */
 std::string textOf(const std::optional<Eigen::Isometry3d>& T) {
   if (!T) return "";
-  const mrpt::poses::CPose3D pose = toPose(*T);
+  const Eigen::Matrix3d R = T->linear();
+  const double yaw = std::atan2(R(1, 0), R(0, 0)),
+               pitch = std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0))),
+               roll = std::atan2(R(2, 1), R(2, 2));
+  const auto& t = T->translation();
+  constexpr double kDegrees = 180 / M_PI;
   char text[160];
-  std::snprintf(text, sizeof(text), " [%.2f %.2f %.2f %.1f %.1f %.1f]", pose.x(), pose.y(),
-                pose.z(), mrpt::RAD2DEG(pose.yaw()), mrpt::RAD2DEG(pose.pitch()),
-                mrpt::RAD2DEG(pose.roll()));
+  std::snprintf(text, sizeof(text), " [%.2f %.2f %.2f %.1f %.1f %.1f]", t.x(), t.y(), t.z(),
+                kDegrees * yaw, kDegrees * pitch, kDegrees * roll);
   return text;
 }
 

@@ -20,12 +20,11 @@ struct ReadingBudget {
   /** Number of octree nodes that compressed maps may unpack to, besides kNodesPerByte for each of
    * their bytes. */
   size_t nodes = 4'000'000;
-  /** Number of pairs of neighbours among edge voxels, see edgePairs(). One second on two cores: 1e9
-   * pairs. */
-  uint64_t edge_pairs = 2'000'000'000;
-
-  /** Number of nodes per compressed byte. Maps of buildings have 3. */
-  static constexpr size_t kNodesPerByte = 16;
+  /** Number of pairs of neighbours among the edge voxels of a map, see edgePairs(). One second on
+   * two cores: 1e9 pairs. */
+  static constexpr uint64_t kMostEdgePairs = 2'000'000'000;
+  /** Number of nodes per compressed byte. Maps of buildings have 3, synthetic maps up to 100. */
+  static constexpr size_t kNodesPerByte = 128;
 };
 
 /** The end of reading: the file ends early, or asks for more than it may. It is a std::bad_alloc

@@ -59,7 +59,7 @@ std::string edgeMapOf(const octomap::OcTree& probabilities, double radius) {
 // ---------------------------------------------------------------- nodes
 
 TEST(ReadingBudgetNodes, AreSharedByAllObjectsOfAFile) {
-  const auto tree = cubeOfVoxels(32, 1.5F);
+  const auto tree = cubeOfVoxels(64, 1.5F);
   const std::string packed = compressNodes(*tree);
   ASSERT_LT(ReadingBudget::kNodesPerByte * packed.size(), tree->size() / 4);
   ReadingBudget budget;
