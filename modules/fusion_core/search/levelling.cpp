@@ -129,6 +129,8 @@ std::vector<Hypothesis> searchLevelled(const MapVoxels& a, const SurfaceVoxels& 
   Eigen::Isometry3d levelled = T_a_b;
   levelled.linear() = Eigen::Quaterniond::FromTwoVectors(up_b, up_a) * T_a_b.linear();
   const auto found = searchAround(a, matched_a.surfaces, few_b, levelled, params, up_a);
+  // A levelling that does not help would only add rivals.
+  if (found.empty() || (!all.empty() && found[0].score <= all[0].score)) return all;
   all.insert(all.end(), found.begin(), found.end());
   return bestOf(std::move(all), params);
 }

@@ -29,7 +29,7 @@ Eigen::Vector3d upDirection(const SurfaceVoxels& map, const LevellingParams& par
  * \param[in] a Map A.
  * \param[in] matched_a,matched_b Voxels of the maps with their surfaces, for the up directions.
  * \param[in] few_b,T_a_b,params As for searchAround().
- * \return The best poses of both searches. */
+ * \return The best poses of both searches if the second scores better, else those of the first. */
 std::vector<Hypothesis> searchLevelled(const MapVoxels& a, const SurfaceVoxels& matched_a,
                                        const SurfaceVoxels& matched_b, const SurfaceVoxels& few_b,
                                        const Eigen::Isometry3d& T_a_b, const SearchParams& params);
