@@ -23,36 +23,18 @@ namespace map_fusion {
 
 namespace {
 
-using OcTreePtr = std::shared_ptr<const octomap::OcTree>;
-
-/** True if a file may hold the nodes of an octree without a header. */
-bool mayBeRaw(const RunContext& run, const std::string& beginning) {
-  return run.args.resolution > 0 && run.args.command != "transform" &&
-         mrpt::fusion::foreignKindOf(beginning).empty() &&
-         !mrpt::fusion::beginsWithObject(beginning);
-}
-
-/** Loads the octree of a file: `.ot`, `.bt`, or nodes without a header if `--resolution` is given.
- * \return Null for another file. */
-OcTreePtr loadOcTree(RunContext& run, const std::string& path) {
-  using mrpt::fusion::readFileBytes;
-  const double resolution = run.args.resolution;
-  std::vector<std::string> notes;
-  const auto octree = mrpt::fusion::withPath(path, [&]() -> OcTreePtr {
-    const std::string beginning = mrpt::fusion::beginningOf(path);
-    if (mrpt::fusion::isOcTreeFile(beginning))
-      return mrpt::fusion::parseOcTreeFile(readFileBytes(path), &notes);
-    if (!mayBeRaw(run, beginning)) return nullptr;
-    return mrpt::fusion::parseRawOcTree(readFileBytes(path), resolution, &notes);
-  });
-  for (const auto& note : notes) run.note(path + ": " + note);
-  return octree;
-}
-
 LoadedMap loadFile(RunContext& run, const std::string& path) {
-  if (auto octree = loadOcTree(run, path)) return {octree, nullptr, nullptr, {}};
-  isOcTree(path);  // throws if the file is of a known other kind
-  LoadedMap map = mrptMaps().load(path, run.mapDefinition());
+  using mrpt::fusion::readFileBytes;
+  const InputKind kind = inputKindOf(run, path);
+  LoadedMap map;
+  mrpt::fusion::withPath(path, [&] {
+    if (kind == InputKind::OcTree)
+      map.octree = mrpt::fusion::parseOcTreeFile(readFileBytes(path), &map.notes);
+    else if (kind == InputKind::RawNodes)
+      map.octree =
+          mrpt::fusion::parseRawOcTree(readFileBytes(path), run.args.resolution, &map.notes);
+  });
+  if (!map.octree) map = mrptMaps().load(path, run.mapDefinition());
   for (const auto& note : map.notes) run.note(path + ": " + note);
   return map;
 }
@@ -70,20 +52,20 @@ LoadedMap loadMap(RunContext& run, const std::string& role, const std::string& p
   return map;
 }
 
-bool isOcTree(const std::string& path) {
+InputKind inputKindOf(const RunContext& run, const std::string& path) {
   return mrpt::fusion::withPath(path, [&] {
     const std::string beginning = mrpt::fusion::beginningOf(path);
-    if (mrpt::fusion::isOcTreeFile(beginning)) return true;
-    const std::string kind = mrpt::fusion::foreignKindOf(beginning);
-    if (!kind.empty()) throw std::runtime_error(kind);
-    return false;
+    if (mrpt::fusion::isOcTreeFile(beginning)) return InputKind::OcTree;
+    const std::string foreign = mrpt::fusion::foreignKindOf(beginning);
+    if (!foreign.empty()) throw std::runtime_error(foreign);
+    const bool is_raw = run.args.resolution > 0 && !mrpt::fusion::beginsWithObject(beginning);
+    return is_raw ? InputKind::RawNodes : InputKind::Mrpt;
   });
 }
 
 std::vector<Robot> loadMission(const RunContext& run, const std::string& path) {
-  const bool is_raw =
-      mrpt::fusion::withPath(path, [&] { return mayBeRaw(run, mrpt::fusion::beginningOf(path)); });
-  return is_raw || isOcTree(path) ? std::vector<Robot>() : mrptMaps().loadMission(path);
+  return inputKindOf(run, path) == InputKind::Mrpt ? mrptMaps().loadMission(path)
+                                                   : std::vector<Robot>();
 }
 
 std::vector<Robot> loadRobots(RunContext& run) {

@@ -20,12 +20,19 @@ namespace map_fusion {
  * without occupied voxels. */
 LoadedMap loadMap(RunContext& run, const std::string& role, const std::string& path);
 
-/** Returns whether a file is an octree. Otherwise it may be a file of MRPT. \exception
- * std::runtime_error "<path>: <reason>" if the file cannot be read or is of a known other kind. */
-bool isOcTree(const std::string& path);
+/** What a file may hold, by its first bytes. */
+enum class InputKind {
+  OcTree,    ///< `.ot` or `.bt`
+  RawNodes,  ///< Nodes of an octree without a header, if `--resolution` is given
+  Mrpt       ///< Objects of MRPT: a map, a recording or a mission
+};
+
+/** Returns what a file may hold. \exception std::runtime_error "<path>: <reason>" if the file
+ * cannot be read or is of a known other kind. */
+InputKind inputKindOf(const RunContext& run, const std::string& path);
 
 /** Loads the latest maps of all robots of a recorded mission. Returns nothing for files of other
- * kinds, and if the arguments say that the files are nodes of an octree. */
+ * kinds. */
 std::vector<Robot> loadMission(const RunContext& run, const std::string& path);
 
 /** Loads the maps of all robots that the arguments name, and reports on them. A file is a recorded

@@ -3,11 +3,11 @@
  * Tests of the kinds of files that OctoMap reads: each is read by OctoMap and by us. */
 #include <octomap/ColorOcTree.h>
 #include <octomap/OcTreeStamped.h>
-#include <zlib.h>
 
 #include <limits>
 #include <sstream>
 
+#include "support/gzip_bytes.h"
 #include "support/tree_tools.h"
 
 using namespace map_tests;
@@ -107,21 +107,6 @@ std::string withSize(const std::string& bytes, const std::string& size) {
 }
 
 std::string dataOf(const std::string& bytes) { return bytes.substr(bytes.find("data\n") + 5); }
-
-std::string gz(const std::string& bytes) {
-  z_stream stream{};
-  EXPECT_EQ(Z_OK, ::deflateInit2(&stream, 9, Z_DEFLATED, MAX_WBITS + 16, 8, Z_DEFAULT_STRATEGY));
-  std::string out(::deflateBound(&stream, bytes.size()), '\0');
-  std::string in = bytes;
-  stream.next_in = reinterpret_cast<Bytef*>(in.data());
-  stream.avail_in = static_cast<uInt>(in.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  EXPECT_EQ(Z_STREAM_END, ::deflate(&stream, Z_FINISH));
-  out.resize(stream.total_out);
-  ::deflateEnd(&stream);
-  return out;
-}
 
 std::vector<std::string> notesOf(const std::string& bytes) {
   std::vector<std::string> notes;
@@ -238,25 +223,25 @@ TEST(OctomapKinds, InfiniteLogOddsBecomeTheThresholds) {
 
 TEST(OctomapKinds, EachMayBeGzipped) {
   const std::string ot = otOf(filled<OcTree>()), bt = btOf(filled<OcTree>());
-  expectOtAsOctomap<OcTree>(ot, gz(ot));
-  expectOtAsOctomap<octomap::ColorOcTree>(otOf(coloured()), gz(otOf(coloured())));
-  expectBtAsOctomap(bt, gz(bt));
+  expectOtAsOctomap<OcTree>(ot, gzipped(ot));
+  expectOtAsOctomap<octomap::ColorOcTree>(otOf(coloured()), gzipped(otOf(coloured())));
+  expectBtAsOctomap(bt, gzipped(bt));
   // Packed in two parts, as by `gzip >> file`, and with bytes after the packed data.
-  expectBtAsOctomap(bt, gz(bt.substr(0, 100)) + gz(bt.substr(100)) + "garbage");
+  expectBtAsOctomap(bt, gzipped(bt.substr(0, 100)) + gzipped(bt.substr(100)) + "garbage");
 }
 
 TEST(OctomapKinds, DamagedGzipIsAnError) {
-  const std::string packed = gz(otOf(filled<OcTree>()));
+  const std::string packed = gzipped(otOf(filled<OcTree>()));
   for (size_t n = 2; n < packed.size(); n += 5)
     EXPECT_THROW(parseOcTreeFile(packed.substr(0, n)), std::runtime_error) << n;
   std::string damaged = packed;
   damaged[damaged.size() / 2] ^= 0x55;
   EXPECT_THROW(parseOcTreeFile(damaged), std::runtime_error);
-  EXPECT_THROW(parseOcTreeFile(gz("no map")), std::runtime_error);
+  EXPECT_THROW(parseOcTreeFile(gzipped("no map")), std::runtime_error);
 }
 
 TEST(OctomapKinds, GzipThatUnpacksToTooMuchIsAnError) {
-  const std::string zeros = gz(otOf(filled<OcTree>()) + std::string(size_t{200} << 20U, '\0'));
+  const std::string zeros = gzipped(otOf(filled<OcTree>()) + std::string(size_t{200} << 20U, '\0'));
   ASSERT_LT(zeros.size(), 300'000U);
   const std::string error = errorOf([&] { parseOcTreeFile(zeros); });
   EXPECT_NE(std::string::npos, error.find("unpacks to more than")) << error;
@@ -276,7 +261,7 @@ TEST(OctomapKinds, GzipOfTooManyNodesIsAnError) {
   }
   std::string bytes = "# Octomap OcTree file\nid OcTree\nsize 1\nres 0.1\ndata\n" + node(0xFF);
   for (int i = 0; i < 8; i++) bytes += full;
-  const std::string packed = gz(bytes);
+  const std::string packed = gzipped(bytes);
   ASSERT_LT(packed.size(), 500'000U);
   const std::string error = errorOf([&] { parseOcTreeFile(packed); });
   EXPECT_NE(std::string::npos, error.find("too much memory")) << error;
@@ -291,7 +276,7 @@ TEST(OctomapKinds, TheDataOfAMessageIsReadWithAResolution) {
   const std::string full = dataOf(otOf(plain)), binary = dataOf(btOf(plain));
   EXPECT_TRUE(sameTree(plain, *parseRawOcTree(full, 0.1)));
   EXPECT_TRUE(sameNodes(leavesOf(likely), leavesOf(*parseRawOcTree(binary, 0.1))));
-  EXPECT_TRUE(sameNodes(leavesOf(plain), leavesOf(*parseRawOcTree(gz(full), 0.1))));
+  EXPECT_TRUE(sameNodes(leavesOf(plain), leavesOf(*parseRawOcTree(gzipped(full), 0.1))));
   std::vector<std::string> notes;
   EXPECT_TRUE(sameNodes(leavesOfAny(colours),
                         leavesOf(*parseRawOcTree(dataOf(otOf(colours)), 0.1, &notes))));

@@ -14,7 +14,8 @@ namespace map_fusion {
 
 bool runBuild(RunContext& run) {
   const std::string& recording = run.args.maps[0];
-  if (isOcTree(recording)) throw std::runtime_error(recording + ": is a map, not a recording");
+  if (inputKindOf(run, recording) == InputKind::OcTree)
+    throw std::runtime_error(recording + ": is a map, not a recording");
   const auto built = mrptMaps().build(recording, run.mapDefinition());
   run.progress.clear();
   for (const auto& note : built.map.notes) run.note(recording + ": " + note);

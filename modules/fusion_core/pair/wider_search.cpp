@@ -28,9 +28,10 @@ Judged better(const MapFeatures& a, const MapFeatures& b, const Options& options
               MatchResult wide) {
   const EvaluationParams& params = options.evaluation;
   const ComparisonParams comparison = comparisonOf(options);
-  const bool may_replace = !near.evaluation.accepted;
-  if (isSamePlace(b, near.match.T_a_b, wide.T_a_b, params.tolerance)) {
-    if (!may_replace) return near;
+  const bool is_rejected = !near.evaluation.accepted;
+  if (isSamePlace(near.match.T_a_b, wide.T_a_b, meanOf(b.matched.voxels.centre),
+                  params.tolerance)) {
+    if (!is_rejected) return near;
     const Evaluation of_wide = judge(a, b, wide, params);
     if (of_wide.accepted || of_wide.probability > near.evaluation.probability)
       return {std::move(wide), of_wide};
@@ -43,7 +44,7 @@ Judged better(const MapFeatures& a, const MapFeatures& b, const Options& options
   addRival(b, {near.match.T_a_b, 0, near.match.covariance}, other->of_match / other->pose.agreement,
            params.tolerance, wide);
   const Evaluation of_wide = judge(a, b, wide, params);
-  if (of_wide.accepted || (may_replace && of_wide.probability > near.evaluation.probability))
+  if (of_wide.accepted || (is_rejected && of_wide.probability > near.evaluation.probability))
     return {std::move(wide), of_wide};
   insertBetter(*other, near.match);
   near.evaluation = judge(a, b, near.match, params);

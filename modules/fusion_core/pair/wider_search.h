@@ -11,7 +11,7 @@
 #include "fusion_core/features/features.h"
 
 /** \file
- * The searches after a match near a guess that is not sure (not in the paper). */
+ * The searches that follow an unsure match near a guess (not in the paper). */
 
 namespace mrpt::fusion {
 
@@ -23,13 +23,14 @@ namespace mrpt::fusion {
  * \param[in] options options.search is the search near the guess. */
 std::vector<SearchParams> widerSearches(const Prior& prior, const Options& options);
 
-/** Judges a match near a guess, and searches farther while the match is not sure: while it is
- * rejected or its probability is below EvaluationParams::sure_probability.
+/** Judges a match near a guess, and searches farther while the match is not sure. A match is sure
+ * if it is accepted with a probability of at least EvaluationParams::sure_probability.
  *
- * A guess may be wrong, and a search near it starts from few hypotheses. A pose of a wider search
- * replaces the match if it agrees clearly better (EvaluationParams::max_runner_up) and judge()
- * accepts it, or if both are rejected and its probability is larger. The other pose stays as its
- * rival. Otherwise a clearly better pose becomes the rival of the match, which is then rejected.
+ * A guess may be wrong, and a search near a guess starts from few hypotheses. A clearly better pose
+ * of a wider search (EvaluationParams::max_runner_up) replaces the match if judge() accepts the
+ * better pose, or if both poses are rejected and the better pose is more probable. The match then
+ * stays as a rival. In all other cases the clearly better pose becomes the rival of the match, and
+ * the match is rejected.
  * A prior with a covariance bounds all searches: a rival outside does not overrule the match.
  * Cost: each search costs as much as matchMaps() without a guess.
  * \param[in] a,b Features of the maps A and B.

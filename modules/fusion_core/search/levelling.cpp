@@ -78,13 +78,15 @@ std::optional<Slope> slopeOf(const OccupiedVoxels& voxels,
     const Eigen::Vector3d d = voxels.centre[g->voxel].cast<double>() - mean;
     scatter += d * d.transpose() / n;
   }
-  // A strip along one axis has no slope across it: the layer must be wide in both.
+  // A strip has no slope across it: a layer must be wide in its narrow direction, too. A whole
+  // block has a variance of 1/12 of its squared side.
+  constexpr double kLeastVariance = 0.02;
   const Eigen::Matrix2d plan = scatter.topLeftCorner<2, 2>();
   const double narrow = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(plan).eigenvalues()[0];
-  if (narrow < 0.02 * side * side) return {};
+  if (narrow < kLeastVariance * side * side) return {};
   const Eigen::Vector2d rise = plan.ldlt().solve(scatter.topRightCorner<2, 1>());
   const double residual = scatter(2, 2) - rise.dot(scatter.topRightCorner<2, 1>());
-  if (residual > voxels.resolution * voxels.resolution) return {};
+  if (residual > voxels.resolution * voxels.resolution) return {};  // no plane within a voxel
   return Slope{{rise.x(), rise.y()}, n};
 }
 
@@ -123,7 +125,7 @@ std::vector<Hypothesis> searchLevelled(const MapVoxels& a, const SurfaceVoxels& 
   if (few_b.voxels.size() == 0) return all;
   const Eigen::Vector3d up_a = upDirection(matched_a, params.levelling);
   const Eigen::Vector3d up_b = T_a_b.linear() * upDirection(matched_b, params.levelling);
-  const double cell = std::max({params.cell, 2 * a.voxels.resolution, 2 * few_b.voxels.resolution});
+  const double cell = leastCell(params, a.voxels.resolution, few_b.voxels.resolution);
   const double tilt = std::acos(std::clamp(up_a.dot(up_b), -1.0, 1.0));
   if (tilt * radiusOf(few_b.voxels) <= params.levelling.max_cells * cell) return all;
   Eigen::Isometry3d levelled = T_a_b;

@@ -195,11 +195,11 @@ class PoseSearch {
     return common.isEmpty() ? Eigen::AlignedBox3d(box_a_.min(), box_a_.min()) : common;
   }
 
-  /** Returns the side of the cells: SearchParams::cell, but at least 2 voxels, and so large that
-   * the grid stays within SearchBudget::max_cells. It is rounded up to a cube of A's octree. */
+  /** Returns the side of the cells: at least leastCell(), and so large that the grid stays within
+   * SearchBudget::max_cells. It is rounded up to a cube of A's octree. */
   ScoreGrid::Layout layoutFor(double resolution_b) const {
-    const double least = std::max({params_.cell, 2 * a_.voxels.resolution, 2 * resolution_b,
-                                   std::cbrt(region_.volume() / params_.budget.max_cells)});
+    const double least = std::max(leastCell(params_, a_.voxels.resolution, resolution_b),
+                                  std::cbrt(region_.volume() / params_.budget.max_cells));
     ScoreGrid::Layout layout{a_.voxels.resolution, 0};
     while (layout.cell < least * (1 - 1e-9) && layout.level + 1 < OcTreeCube::kMaxDepth) {
       layout.cell *= 2;
@@ -373,6 +373,10 @@ std::vector<Hypothesis> searchAround(const MapVoxels& a, const Surfaces& surface
       params.hypotheses == 0)
     return {};
   return PoseSearch(a, surfaces_a, b, T_a_b, params, up).run();
+}
+
+double leastCell(const SearchParams& params, double resolution_a, double resolution_b) {
+  return std::max({params.cell, 2 * resolution_a, 2 * resolution_b});
 }
 
 std::vector<Hypothesis> bestOf(std::vector<Hypothesis> all, const SearchParams& params) {

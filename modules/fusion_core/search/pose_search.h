@@ -50,6 +50,11 @@ std::vector<Hypothesis> searchAround(const MapVoxels& a, const Surfaces& surface
                                      const SearchParams& params,
                                      const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ());
 
+/** Returns the least side of the cells of a search: SearchParams::cell, but at least 2 voxels, m.
+ * \param[in] params The search.
+ * \param[in] resolution_a,resolution_b Voxel sizes of the maps, m. */
+double leastCell(const SearchParams& params, double resolution_a, double resolution_b);
+
 /** Returns the best hypotheses of several searches, at most SearchParams::hypotheses, best first.
  */
 std::vector<Hypothesis> bestOf(std::vector<Hypothesis> all, const SearchParams& params);

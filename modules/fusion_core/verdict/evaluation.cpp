@@ -165,9 +165,12 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
   const double conflict = e.free_space.conflictRatio();
   const std::string missed = percent(e.free_space.missedRatio()) +
                              " of the obstacles lie beside the other map's obstacles";
-  if (e.without_free_space < 1 && !e.free_space.knowsConflicts()) {
+  if (e.without_free_space >= 1) {
+    // A conflict ratio of 0 would read like evidence for the pose.
+    e.reasons.push_back("neither map has free space to show conflicts: " + missed);
+  } else if (!e.free_space.knowsConflicts()) {
     e.reasons.push_back("no obstacle lies where the other map has free space");
-  } else if (e.without_free_space < 1) {
+  } else {
     const std::string conflicting =
         percent(conflict) + " of the obstacles lie in the other map's free space, ";
     const std::string of_one =
@@ -175,9 +178,6 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
     judge(conflict <= params.max_free_conflict,
           conflicting + "at most " + percent(params.max_free_conflict) + " are allowed" + of_one,
           conflicting + "more than " + percent(params.max_free_conflict) + of_one);
-  } else {
-    // A conflict ratio of 0 would read like evidence for the pose.
-    e.reasons.push_back("neither map has free space to show conflicts: " + missed);
   }
   e.runner_up = rival.ratio;
   const bool has_rival = rival.ratio > params.max_runner_up;

@@ -25,7 +25,7 @@ std::vector<RankedPose> distinct(std::vector<RankedPose> all, const Eigen::Vecto
   std::vector<RankedPose> best;
   for (const RankedPose& h : all) {
     const bool is_new = std::none_of(best.begin(), best.end(), [&](const RankedPose& g) {
-      return distanceBetween(g.T_a_b, h.T_a_b, middle, tolerance) <= 1;
+      return isSamePlace(g.T_a_b, h.T_a_b, middle, tolerance);
     });
     if (is_new) best.push_back(h);
   }
@@ -50,6 +50,11 @@ double distanceBetween(const Eigen::Isometry3d& T, const Eigen::Isometry3d& U,
   const Eigen::Isometry3d between = T.inverse() * U;
   return std::max((between * middle - middle).norm() / tolerance.translation,
                   Eigen::AngleAxisd(between.linear()).angle() / tolerance.rotation);
+}
+
+bool isSamePlace(const Eigen::Isometry3d& T, const Eigen::Isometry3d& U,
+                 const Eigen::Vector3d& middle, const PoseTolerance& tolerance) {
+  return distanceBetween(T, U, middle, tolerance) <= 1;
 }
 
 PoseComparison::PoseComparison(const MapFeatures& a, const MapFeatures& b,
@@ -134,7 +139,7 @@ void compareWhatWasReached(const MapFeatures& a, const MapFeatures& b,
     return;
   std::vector<RankedPose> compared{{result.T_a_b, 0, result.covariance}};
   for (const RankedPose& h : result.hypotheses)
-    if (!isSamePlace(b, h.T_a_b, result.T_a_b, params.tolerance)) compared.push_back(h);
+    if (!isSamePlace(h.T_a_b, result.T_a_b, middle, params.tolerance)) compared.push_back(h);
   const PoseComparison comparison(a, b, association, params, params.ranking.rival_voxels);
   forEachIndex(compared.size(), 1, [&](size_t i) {
     compared[i].agreement = comparison.agreementAt(compared[i].T_a_b);
@@ -143,17 +148,13 @@ void compareWhatWasReached(const MapFeatures& a, const MapFeatures& b,
   result.hypotheses = std::move(compared);
 }
 
-bool isSamePlace(const MapFeatures& b, const Eigen::Isometry3d& T, const Eigen::Isometry3d& U,
-                 const PoseTolerance& tolerance) {
-  return distanceBetween(T, U, meanOf(b.matched.voxels.centre), tolerance) <= 1;
-}
-
 void addRival(const MapFeatures& b, RankedPose rival, double ratio, const PoseTolerance& tolerance,
               MatchResult& result) {
   auto& hypotheses = result.hypotheses;
   rival.agreement = ratio * hypotheses.front().agreement;
+  const Eigen::Vector3d middle = meanOf(b.matched.voxels.centre);
   const auto holds = [&](const RankedPose& h) {
-    return isSamePlace(b, h.T_a_b, rival.T_a_b, tolerance);
+    return isSamePlace(h.T_a_b, rival.T_a_b, middle, tolerance);
   };
   const auto same = std::find_if(hypotheses.begin() + 1, hypotheses.end(), holds);
   if (same != hypotheses.end()) {
@@ -172,7 +173,7 @@ std::optional<BetterPose> betterPoseElsewhere(const MapFeatures& a, const MapFea
   const auto ranked = PoseComparison(a, b, association, params, params.ranking.rival_voxels)
                           .ranked({T_a_b, elsewhere});
   if (ranked.size() < 2 || ranked[1].agreement > as_good * ranked[0].agreement ||
-      isSamePlace(b, ranked[0].T_a_b, T_a_b, params.tolerance))
+      isSamePlace(ranked[0].T_a_b, T_a_b, meanOf(b.matched.voxels.centre), params.tolerance))
     return {};
   return BetterPose{ranked[0], ranked[1].agreement};
 }

@@ -38,6 +38,10 @@ RegistrationParams roughly(RegistrationParams registration, const RankingParams&
 double distanceBetween(const Eigen::Isometry3d& T, const Eigen::Isometry3d& U,
                        const Eigen::Vector3d& middle, const PoseTolerance& tolerance);
 
+/** True if two poses of map B differ by at most the tolerance. Parameters: as distanceBetween(). */
+bool isSamePlace(const Eigen::Isometry3d& T, const Eigen::Isometry3d& U,
+                 const Eigen::Vector3d& middle, const PoseTolerance& tolerance);
+
 /** Comparison of poses by some voxels of each map: refines the poses with these voxels, and
  * computes the agreement of the maps. It refers to the maps and the association, which must outlive
  * it. Several threads may use it. */
@@ -89,10 +93,6 @@ void compareRivals(const MapFeatures& a, const MapFeatures& b, const VoxelAssoci
 void compareWhatWasReached(const MapFeatures& a, const MapFeatures& b,
                            const VoxelAssociation& association, const ComparisonParams& params,
                            MatchResult& result);
-
-/** True if two poses of B differ by at most the tolerance, see distanceBetween(). */
-bool isSamePlace(const MapFeatures& b, const Eigen::Isometry3d& T, const Eigen::Isometry3d& U,
-                 const PoseTolerance& tolerance);
 
 /** Adds a rival to the hypotheses of a match, unless they hold its place with a larger agreement.
  * \param[in] b Features of map B.

@@ -54,9 +54,7 @@ Parameters parametersOf(EvaluationParams& params) {
       number("min_probability", params.min_probability, 0, 1,
              "Least probability of being right; 0: not tested"),
       number("sure_probability", params.sure_probability, 0, 1,
-             "Near a guess, a match that is rejected or has less than this is searched for "
-             "farther; 0: "
-             "never"),
+             "The search goes farther from a guess while the match is less probable; 0: never"),
       number("max_runner_up", params.max_runner_up, 0, 1,
              "Largest agreement of the second best pose over that of the best; 1: not tested"),
       advanced(number("threshold_without_overlap", params.threshold_without_overlap, 0, 2,

@@ -29,9 +29,10 @@ struct Forbidden {
   bool holds(const char* place) const { return place >= begin && place < end; }
 };
 
+/** Returns the forbidden part of the stack of this thread; nothing if the stack is not known. */
 Forbidden forbiddenPart() {
-  // Bytes; 8 MB is the usual size of a stack. The destructors of nested sets need more than
-  // reading.
+  // Most bytes to use. A stack usually has 8 MB. The destructors of nested sets need more than
+  // their reading.
   constexpr size_t kMost = size_t{1} << 20U;
   pthread_attr_t attributes;
   void* low = nullptr;

@@ -15,26 +15,13 @@
 #include "fusion_core/pair/match.h"
 #include "fusion_core/pair/verify.h"
 #include "fusion_core/verdict/evaluation.h"
-#include "support/apartment_pair.h"
+#include "support/prepared_apartment.h"
 
 namespace mrpt::fusion::test {
 namespace {
 
-class Aligning : public testing::Test {
+class Aligning : public WithPreparedApartment {
  protected:
-  /** Made once, for the tests only read them. */
-  static const ApartmentPair& maps() {
-    static const ApartmentPair pair(0.2);
-    return pair;
-  }
-  static const PreparedMap& a() {
-    static const PreparedMap map(*maps().map_a);
-    return map;
-  }
-  static const PreparedMap& b() {
-    static const PreparedMap map(*maps().map_b);
-    return map;
-  }
   static const PreparedMap& edgesOfB() {
     static const PreparedMap edges(maps().b.edges);
     return edges;
@@ -49,15 +36,6 @@ class Aligning : public testing::Test {
     return Prior::near(toPose(maps().truth * off));
   }
 
-  /** Options that accept whatever has pairs, but for a rival. */
-  static Options credulous() {
-    Options options;
-    EvaluationParams& e = options.evaluation;
-    e.max_free_conflict = 1;
-    e.min_overlap = e.min_probability = 0;
-    e.min_threshold = e.max_threshold = 0;
-    return options;
-  }
   /** What is said if maps cannot be matched. */
   template <class F>
   static std::string errorOf(F&& f) {
@@ -69,7 +47,6 @@ class Aligning : public testing::Test {
     return {};
   }
 
-  const Eigen::Isometry3d truth = maps().truth;
   /** Farther off than refining goes. */
   const Eigen::Isometry3d wrong = truth * poseOf(3, 1, 0, 25);
 };

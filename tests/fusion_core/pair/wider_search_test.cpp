@@ -7,26 +7,13 @@
 #include <mrpt/fusion/alignment.h>
 
 #include "fusion_core/pair/match.h"
-#include "support/apartment_pair.h"
+#include "support/prepared_apartment.h"
 
 namespace mrpt::fusion::test {
 namespace {
 
-class SearchingWider : public testing::Test {
+class SearchingWider : public WithPreparedApartment {
  protected:
-  /** Made once, for the tests only read them. */
-  static const ApartmentPair& maps() {
-    static const ApartmentPair pair(0.2);
-    return pair;
-  }
-  static const PreparedMap& a() {
-    static const PreparedMap map(*maps().map_a);
-    return map;
-  }
-  static const PreparedMap& b() {
-    static const PreparedMap map(*maps().map_b);
-    return map;
-  }
   /** Returns the prior of a guess with standard deviations of position and yaw. */
   static Prior gaussian(const Eigen::Isometry3d& guess, double metres, double yaw_deg) {
     mrpt::poses::CPose3DPDFGaussian pdf(toPose(guess));
@@ -34,18 +21,8 @@ class SearchingWider : public testing::Test {
     pdf.cov(3, 3) = yaw_deg * yaw_deg * M_PI * M_PI / (180 * 180);
     return Prior::gaussian(pdf);
   }
-  /** Options that accept each pose with pairs that has no rival. */
-  static Options credulous() {
-    Options options;
-    EvaluationParams& e = options.evaluation;
-    e.max_free_conflict = 1;
-    e.min_overlap = e.min_probability = 0;
-    e.min_threshold = e.max_threshold = 0;
-    return options;
-  }
   double error(const Alignment& r) const { return metresBetween(r.match.T_a_b, truth); }
 
-  const Eigen::Isometry3d truth = maps().truth;
   /** Beyond the reach of the search near a guess. */
   const Eigen::Isometry3d far_off = truth * poseOf(6, 2, 0, 90);
 };

@@ -77,8 +77,8 @@ struct EvaluationParams {
   /** Largest agreement of another pose over the agreement of the match. */
   double max_runner_up = 0.75;
   double min_probability = 0.85;  ///< Least probability that the pose is right
-  /** Least probability of an accepted match from a guess that needs no wider search, see
-   * align(). 0: no match is searched for farther. */
+  /** Least probability of an accepted match that ends the search near a guess, see align(). 0: the
+   * search never goes farther. */
   double sure_probability = 0.985;
   double threshold_without_overlap = 0.9;  ///< Inlier threshold at overlap 0, before its limits
   double threshold_per_overlap = 0.5;      ///< Decrease of the inlier threshold per overlap

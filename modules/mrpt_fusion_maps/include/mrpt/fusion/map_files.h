@@ -52,8 +52,9 @@ struct BuiltMap {
  * observations format they are CObservationRobotPose or, if there are none, CObservationOdometry,
  * and they are interpolated to the time of each observation. Without time stamps each observation
  * is at the last pose before it in the log. In the actions format they are robot movements, which
- * are added up. Ranges and points in external files are loaded from "<name>_Images" or "Images"
- * beside the recording. Pictures are loaded only if a map reads them. \exception std::runtime_error
+ * are added up. Ranges and points in external files are loaded from "<name>_Images", "Images"
+ * or the folder of the recording. Pictures are loaded only if a map reads them. \exception
+ * std::runtime_error
  * "<path>: <reason>" if the file is of another kind, is truncated or has no poses, if an external
  * file is missing, or if the definition has no map or a map class that MRPT does not know.
  */
