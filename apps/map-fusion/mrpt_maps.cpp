@@ -5,6 +5,7 @@
 #include "mrpt_maps.h"
 
 #include <dlfcn.h>
+#include <sys/mman.h>
 
 #include <atomic>
 #include <new>
@@ -16,6 +17,20 @@ namespace map_fusion {
 namespace {
 
 std::atomic<const MrptMaps*> loaded_maps{nullptr};
+
+/** Addresses that MRPT's libraries take while they are loaded, bytes: 215 MB on amd64, and a
+ * reserve.
+ */
+constexpr size_t kModuleAddresses = size_t{256} << 20U;
+
+/** Throws std::bad_alloc unless the addresses are free. Some libraries that MRPT loads do not check
+ * for the end of the memory in their initialization, and a process would crash there. */
+void requireAddresses(size_t bytes) {
+  void* addresses =
+      ::mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (addresses == MAP_FAILED) throw std::bad_alloc();
+  ::munmap(addresses, bytes);
+}
 
 /** Throws the reason why the module cannot be loaded. */
 [[noreturn]] void throwLoadError() {
@@ -36,6 +51,7 @@ const MrptMaps* loadedMrptMaps() noexcept { return loaded_maps.load(); }
 
 const MrptMaps& mrptMaps() {
   static const MrptMaps& maps = []() -> const MrptMaps& {
+    requireAddresses(kModuleAddresses);
     void* module =
         ::dlopen(MRPT_MAPS_MODULE, RTLD_LAZY);  // searched in the run path of this program
     void* entry = module ? ::dlsym(module, "mrptMapsOfModule") : nullptr;

@@ -96,7 +96,7 @@ TEST_F(LittleMemory, IsOneLineOfALargeMap) {
 
 TEST_F(LittleMemory, IsOneLineOfMrptsMaps) {
   const size_t base = sizeOfTheProgram();
-  expectOneLineWithin(sizes(base + 10, base + 205, 15),
+  expectOneLineWithin(sizes(base + 10, base + 260, 10),
                       "build -q " + pair("robot_a.rawlog") + " -o out.ot");
 }
 
