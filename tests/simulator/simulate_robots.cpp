@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
  * Command line: robots drive through a building, and out come their rawlogs, the one that a robot
- * without pose errors would have recorded on all their drives, and the true T_a_b.
+ * without pose errors would have recorded on all their drives, and the true T_a_b. For more than
+ * two robots, also the true pose of the world in the frame of each robot.
  */
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -78,6 +79,9 @@ void simulate(const Mission& mission, const World& world, const fs::path& outDir
     std::cout << "T_a_b: " << T_a_b << "\n";
   }
   writePose(worldPoseTruth(recordings[0]), outDir / "T_a_w.txt");
+  if (recordings.size() > 2)
+    for (size_t i = 0; i < recordings.size(); ++i)
+      writePose(worldPoseTruth(recordings[i]), outDir / ("T_" + mission.robots[i].name + "_w.txt"));
   writeRawlog(withoutPoseErrors(std::move(recordings)), (outDir / "all.rawlog").string());
 }
 
