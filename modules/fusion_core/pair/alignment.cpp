@@ -11,10 +11,12 @@
 #include <vector>
 
 #include "fusion_core/features/features.h"
+#include "fusion_core/pair/align_from.h"
 #include "fusion_core/pair/match.h"
 #include "fusion_core/pair/scaled_options.h"
 #include "fusion_core/pair/verify.h"
 #include "fusion_core/pair/wider_search.h"
+#include "fusion_core/verdict/evaluation.h"
 
 namespace mrpt::fusion {
 namespace {
@@ -96,6 +98,18 @@ Alignment align(const PreparedMap& map_a, const PreparedMap& map_b, const Prior&
         "a match of edges alone estimates the pose; it cannot show that the maps may be merged");
   }
   result.seconds_evaluation = secondsSince(clock);
+  return result;
+}
+
+Alignment alignFrom(const PreparedMap& map_a, const PreparedMap& map_b,
+                    const Eigen::Isometry3d& T_a_b, const Options& unscaled) {
+  map_a.wholeMap();
+  map_b.wholeMap();
+  const MapFeatures &a = map_a.features(), &b = map_b.features();
+  Alignment result = sizesOf(a, b);
+  const Options options = scaledBy(unscaled, result.scale);
+  result.match = matchFrom(a, b, T_a_b, options);
+  result.evaluation = judge(a, b, result.match, options.evaluation);
   return result;
 }
 

@@ -40,6 +40,12 @@ std::vector<Eigen::Isometry3d> bestByFew(const PoseComparison& by_few,
   return poses;
 }
 
+/** Returns the gate of a registration that starts near the pose, m. */
+double gateNearPose(const MapFeatures& a, const MapFeatures& b, const RegistrationParams& params) {
+  return std::min(params.voxel_level.gate,
+                  std::max(params.voxel_level.final_gate, leastVoxelGate(a, b, params)));
+}
+
 }  // namespace
 
 ComparisonParams comparisonOf(const Options& options) {
@@ -90,8 +96,6 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
   // 3. Registration of the best pose with all voxels. The covariances of its rivals are computed at
   // the same time: each of the two tasks has too little work for many threads.
   result.T_a_b = result.hypotheses.front().T_a_b;
-  const double final_gate =
-      std::max(registration.voxel_level.final_gate, leastVoxelGate(a, b, registration));
   tbb::parallel_invoke(
       [&] {
         forEachIndex(result.hypotheses.size(), 1, [&](size_t i) {
@@ -101,11 +105,24 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
         });
       },
       [&] {
-        matchVoxels(a, b, association, std::min(registration.voxel_level.gate, final_gate),
-                    registration, options.evaluation.voxels, result, on_iteration);
+        matchVoxels(a, b, association, gateNearPose(a, b, registration), registration,
+                    options.evaluation.voxels, result, on_iteration);
       });
   compareWhatWasReached(a, b, association, comparison, result);
   return result;
+}
+
+MatchResult matchFrom(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
+                      const Options& options) {
+  const RegistrationParams& registration = options.registration;
+  const VoxelAssociation association = associationOf(a, b, registration);
+  MatchResult result;
+  result.T_a_b = T_a_b;
+  matchVoxels(a, b, association, gateNearPose(a, b, registration), registration,
+              options.evaluation.voxels, result, {});
+  const bool stays = isSamePlace(result.T_a_b, T_a_b, meanOf(b.matched.voxels.centre),
+                                 options.evaluation.tolerance);
+  return stays ? result : matchAt(a, b, T_a_b, options);
 }
 
 MatchResult matchAt(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,

@@ -33,6 +33,11 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
 MatchResult matchAt(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
                     const Options& options);
 
+/** Registers the maps with all voxels from a pose, without a search. The pose moves by at most the
+ * tolerance of a right pose; a registration that moves it farther is not used. */
+MatchResult matchFrom(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
+                      const Options& options);
+
 /** Returns the settings of a comparison of hypotheses from the options. */
 ComparisonParams comparisonOf(const Options& options);
 

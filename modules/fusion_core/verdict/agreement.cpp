@@ -38,6 +38,16 @@ ObstacleCounts countObstacles(const MapVoxels& map, const Obstacles& obstacles, 
 
 }  // namespace
 
+ObstacleCheck checkFromSameSide(const MapVoxels& map, const Obstacles& obstacles, size_t i,
+                                double before, const Eigen::Isometry3d& T) {
+  const Eigen::Vector3d centre = obstacles.centre[i].cast<double>();
+  const ObstacleCheck check = checkObstacle(map, T * centre);
+  if (check != ObstacleCheck::Confirmed) return check;
+  const Eigen::Vector3d front = obstacles.front[i].cast<double>();
+  return front.isZero(0) || isFree(map, T * (centre + before * front)) ? ObstacleCheck::Confirmed
+                                                                       : ObstacleCheck::Unknown;
+}
+
 Obstacles obstaclesOf(const MapVoxels& map, const SurfaceVoxels& voxels,
                       const AgreementParams& params) {
   Obstacles obstacles{voxels.voxels.centre, voxels.surfaces.normal};

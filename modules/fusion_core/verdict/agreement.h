@@ -8,6 +8,7 @@
 
 #include "fusion_core/features/surfaces.h"
 #include "fusion_core/map/map_voxels.h"
+#include "fusion_core/map/occupancy_query.h"
 
 /** \file
  * The agreement of two maps at a pose, which ranks hypotheses. */
@@ -24,6 +25,16 @@ struct Obstacles {
 /** Converts surface voxels to obstacles with the side from which the map has seen them. */
 Obstacles obstaclesOf(const MapVoxels& map, const SurfaceVoxels& voxels,
                       const AgreementParams& params = {});
+
+/** Compares an obstacle of another map with a map. Confirmed needs the same side, see agreement():
+ * an obstacle seen from the other side is Unknown.
+ * \param[in] map The map.
+ * \param[in] obstacles Obstacles of the other map.
+ * \param[in] i Index of the obstacle.
+ * \param[in] before Distance of the free space in front of an obstacle, m.
+ * \param[in] T Pose of the other map in the frame of the map. */
+ObstacleCheck checkFromSameSide(const MapVoxels& map, const Obstacles& obstacles, size_t i,
+                                double before, const Eigen::Isometry3d& T);
 
 /** Returns the agreement of two maps at a pose (not in the paper): the number of obstacles that the
  * other map confirms, times exp(-r / tolerance). r is the conflict ratio: obstacles in the other

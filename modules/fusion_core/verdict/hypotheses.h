@@ -69,10 +69,14 @@ class PoseComparison {
   Matrix6d covarianceAt(const Eigen::Isometry3d& T_a_b) const;
   /** Returns the agreement of the maps at a pose, see agreement(). */
   double agreementAt(const Eigen::Isometry3d& T_a_b) const;
+  /** Returns the refined pose with its agreement. */
+  RankedPose refined(const Eigen::Isometry3d& start) const;
+  /** Returns some obstacles of A and of B, in the frames of their maps. */
+  const Obstacles& obstaclesOfA() const { return of_a_; }
+  const Obstacles& obstaclesOfB() const { return of_b_; }
 
  private:
   VoxelLevel level() const;
-  RankedPose refined(const Eigen::Isometry3d& start) const;
 
   const MapFeatures &a_, &b_;
   const VoxelAssociation& association_;

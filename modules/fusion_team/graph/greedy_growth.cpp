@@ -8,17 +8,11 @@
 #include <optional>
 
 #include "fusion_base/error_text.h"
+#include "fusion_team/graph/team_fusion.h"
+#include "fusion_team/pairs/pair_matches.h"
 
 namespace mrpt::fusion {
 namespace {
-
-/** Returns the prior of a map's pose in the frame of another map. */
-Prior priorOf(const RobotMap& map, const RobotMap& in) {
-  const double unknown = kUnknownPoseSigma * kUnknownPoseSigma;
-  for (const auto& cov : {map.pose.cov, in.pose.cov})
-    if (cov(0, 0) >= unknown) return Prior::none();
-  return Prior::gaussian(map.pose - in.pose);
-}
 
 /** The growth of the first map by other maps. */
 class Growth {
@@ -39,8 +33,18 @@ class Growth {
     joined_.push_back(i);
   }
 
+  /** Joins the maps that a team has placed. */
+  void joinTeam(const std::vector<size_t>& whole, std::vector<FusionMember> placed) {
+    is_team_ = true;
+    for (size_t k = 0; k < whole.size(); k++) {
+      FusionMember& member = result_.members[whole[k]] = std::move(placed[k]);
+      if (member.joined && whole[k] != joined_.front()) join(whole[k]);
+    }
+  }
+
   ManyFused run(bool even_rejected) {
-    while (const auto next = mostProbable(even_rejected)) join(*next);
+    if (!is_team_ || even_rejected)  // a team has compared all its maps
+      while (const auto next = mostProbable(even_rejected)) join(*next);
     for (size_t i = 0; i < maps_.size(); i++)
       if (maps_[i].map.isEdgesAlone()) matchWithJoined(i);
     if (!result_.map)
@@ -107,6 +111,7 @@ class Growth {
   const OnIteration& on_iteration_;
   std::vector<std::vector<bool>> is_matched_;  // by the indices of both maps
   std::vector<size_t> joined_;  // joined maps in their order; the first map keeps its frame
+  bool is_team_ = false;        // true after joinTeam()
   ManyFused result_;
 };
 
@@ -114,7 +119,16 @@ class Growth {
 
 ManyFused fuseMaps(const std::vector<RobotMap>& maps, const Options& options, bool even_rejected,
                    const OnMember& on_member, const OnIteration& on_iteration) {
-  return Growth(maps, options, on_member, on_iteration).run(even_rejected);
+  Growth growth(maps, options, on_member, on_iteration);
+  std::vector<size_t> whole;
+  for (size_t i = 0; i < maps.size(); i++)
+    if (!maps[i].map.isEdgesAlone()) whole.push_back(i);
+  if (whole.size() > 2) {
+    std::vector<RobotMap> of_team;
+    for (const size_t i : whole) of_team.push_back(maps[i]);
+    growth.joinTeam(whole, placeTeam(of_team, options, on_member));
+  }
+  return growth.run(even_rejected);
 }
 
 }  // namespace mrpt::fusion

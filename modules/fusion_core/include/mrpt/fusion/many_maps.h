@@ -41,19 +41,22 @@ struct ManyFused {
   std::vector<FusionMember> members;     ///< Result of each map, in the order of the input
 };
 
-/** Called before each match with the robot and the number of maps that have joined. */
+/** Called before each match with a robot and the number of maps that the robot is matched with,
+ * this match included. Never called by two threads at a time. */
 using OnMember = std::function<void(const std::string& robot, size_t joined)>;
 
-/** Fuses the maps of several robots. The first whole map grows by the other maps.
+/** Fuses the maps of several robots, in the frame of the first whole map.
  *
- * In each round, every map that has not joined is matched with every map that has joined. The
- * matches start from the poses of the maps. The map with the most probable accepted match joins.
- * So a map without overlap with the first map can join through a third map. No pair is matched
- * twice, and no map is prepared again. Maps that have only edges are matched last, for their poses.
- * Cost: at most n (n-1) / 2 matches for n maps.
+ * Two whole maps are matched by align(). More maps are a team: all pairs are matched, each from the
+ * poses of the maps, and the poses are those at which all pairs agree best. A map joins if no other
+ * place agrees nearly as well, and if a loop of matches confirms its place or a match is sure
+ * without a loop, see doc/decisions/037-team.md. So a match that would be rejected alone can join,
+ * and a match that would be accepted alone can be rejected. Maps that have only edges are matched
+ * last, for their poses. Cost: n (n-1) / 2 matches for n maps, and a search of the poses.
  * \param[in] maps One map of each robot.
  * \param[in] options Parameters of all stages.
- * \param[in] even_rejected If true, the map with the most probable match joins even if rejected.
+ * \param[in] even_rejected If true, maps that have not joined are matched with all joined maps,
+ * and join by their most probable match.
  * \param[in] on_member Called before each match.
  * \param[in] on_iteration See align().
  * \exception std::exception If there is no whole map, or a map has no occupied voxel: "<robot>:

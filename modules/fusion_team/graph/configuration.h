@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "fusion_team/graph/team_graph.h"
+
+/** \file
+ * Searches the poses of a team at which all pairs of maps agree best. */
+
+namespace mrpt::fusion {
+
+/** Areas of the surfaces of a team's maps. Each surface counts once, by however many maps it is
+ * seen. */
+struct TeamAreas {
+  double confirmed = 0;     ///< Area that at least one other map confirms, m^2
+  double contradicted = 0;  ///< Area in the free space of at least one other map, m^2
+
+  double conflictRatio() const {
+    const double known = confirmed + contradicted;
+    return known > 0 ? contradicted / known : 0;
+  }
+};
+/** Returns the areas of map \a k, compared with all other placed maps. */
+TeamAreas areasOf(size_t k, const Configuration& c, const TeamEvidence& evidence);
+/** Returns the score of a configuration: the confirmed area of all placed maps less the
+ * contradicted area over TeamEvidence::tolerance(). Repeated rooms let many maps lie on one
+ * another; a sum over pairs would prefer that pile, because it counts each surface as often as maps
+ * see it. */
+double scoreOf(const Configuration& c, const TeamEvidence& evidence);
+
+/** Which map is placed next. */
+enum class GrowthOrder {
+  LargestGain,  ///< The map whose place gains most
+  Clearest      ///< The map whose place gains most more than its second best place
+};
+
+/** Grows a configuration from a pair: places maps one after another while the score grows. All
+ * pairs have a say, also pairs that were never matched. */
+Configuration grownFrom(const Way& seed, const std::vector<Way>& ways, const TeamEvidence& evidence,
+                        GrowthOrder order);
+
+/** Optimises the poses of a configuration: the errors of long chains of pairs spread over all
+ * pairs. Keeps the poses if the score does not grow. */
+void settle(Configuration& configuration, const TeamEvidence& evidence);
+
+/** Improves a configuration by moves: places a map elsewhere, places a missing map, takes a map
+ * out. Ends when no move increases the score. */
+void improve(Configuration& configuration, const std::vector<Way>& ways,
+             const TeamEvidence& evidence);
+
+}  // namespace mrpt::fusion

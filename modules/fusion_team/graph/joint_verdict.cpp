@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Decides which maps of a team are placed right. */
+#include "fusion_team/graph/joint_verdict.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+namespace mrpt::fusion {
+namespace {
+
+using Eigen::Isometry3d;
+
+/** A match that the configuration agrees with. */
+struct Link {
+  size_t a, b;
+  double probability;  // of the pair's verdict
+  double confirmed;    // number of confirmed obstacles at the place
+};
+
+std::vector<Link> linksOf(const Configuration& c, const std::vector<JudgedWay>& ways,
+                          const TeamEvidence& evidence) {
+  std::vector<Link> links;
+  for (const auto& [way, probability] : ways) {
+    if (!c.pose[way.a] || !c.pose[way.b]) continue;
+    const Isometry3d &T_a = *c.pose[way.a], &T_b = *c.pose[way.b];
+    if (!evidence.isSame(way.b, T_a * way.T_a_b, T_b)) continue;
+    const auto same = std::find_if(links.begin(), links.end(), [&, w = &way](const Link& l) {
+      return l.a == w->a && l.b == w->b;
+    });
+    if (same != links.end()) {  // two hypotheses of one pair are one witness
+      same->probability = std::max(same->probability, probability);
+      continue;
+    }
+    const PairEvidence& e = evidence.near(way.a, way.b, T_a.inverse() * T_b);
+    links.push_back(
+        {way.a, way.b, probability, countOf(e.of_a.confirmed) + countOf(e.of_b.confirmed)});
+  }
+  return links;
+}
+
+/** Returns the maps that links connect with a map. \a without is not used. */
+std::vector<bool> connectedWith(size_t first, size_t n, const std::vector<Link>& links,
+                                const Link* without = nullptr) {
+  std::vector<bool> reached(n);
+  std::vector<size_t> open{first};
+  reached[first] = true;
+  while (!open.empty()) {
+    const size_t k = open.back();
+    open.pop_back();
+    for (const Link& link : links) {
+      if (&link == without || (link.a != k && link.b != k)) continue;
+      const size_t other = link.a == k ? link.b : link.a;
+      if (!reached[other]) open.push_back(other);
+      reached[other] = true;
+    }
+  }
+  return reached;
+}
+
+/** Removes links that no loop confirms and that are not sure. */
+std::vector<Link> confirmedLinks(const std::vector<Link>& links, size_t n,
+                                 double least_probability) {
+  std::vector<Link> confirmed;
+  for (const Link& link : links)
+    if (link.probability >= least_probability || connectedWith(link.a, n, links, &link)[link.b])
+      confirmed.push_back(link);
+  return confirmed;
+}
+
+/** Sets the parents: the path of each map to the first map uses the links with the most evidence.
+ */
+void setParents(size_t first, std::vector<Link> links, std::vector<PlacedMap>& maps) {
+  std::stable_sort(links.begin(), links.end(),
+                   [](const Link& g, const Link& h) { return g.confirmed > h.confirmed; });
+  std::vector<bool> reached(maps.size());
+  reached[first] = true;
+  for (bool grows = true; grows;) {
+    grows = false;
+    for (const Link& link : links) {
+      if (reached[link.a] == reached[link.b]) continue;
+      const bool from_a = reached[link.a];
+      maps[from_a ? link.b : link.a].parent = from_a ? link.a : link.b;
+      reached[link.a] = reached[link.b] = grows = true;
+      break;
+    }
+  }
+}
+
+std::string percent(double ratio) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.0f %%", 100 * ratio);
+  return text;
+}
+
+std::string listOf(const std::vector<size_t>& maps, const std::vector<std::string>& names) {
+  std::string list;
+  for (const size_t k : maps) list += (list.empty() ? "" : ", ") + names[k];
+  return list;
+}
+
+}  // namespace
+
+std::vector<PlacedMap> judgeTeam(const TeamSearchResult& result, const std::vector<JudgedWay>& ways,
+                                 const TeamEvidence& evidence,
+                                 const std::vector<std::string>& names,
+                                 const JointVerdictParams& params) {
+  const size_t n = evidence.size();
+  std::vector<PlacedMap> maps(n);
+  Configuration clear = result.best;  // the maps whose places are clear
+  const auto say = [&](size_t k, const std::string& reason) { maps[k].reasons.push_back(reason); };
+  for (size_t k = 0; k < n; k++) {
+    PlacedMap& m = maps[k];
+    m.runner_up = result.runner_up[k];
+    if (!result.best.pose[k]) {
+      say(k, "no place agrees with the other maps");
+      continue;
+    }
+    m.areas = areasOf(k, result.best, evidence);
+    if (m.runner_up > params.max_runner_up) {
+      say(k, "another place gains " + percent(std::min(m.runner_up, 9.99)) +
+                 " of what this place gains, more than " + percent(params.max_runner_up));
+      clear.pose[k].reset();
+    } else if (m.areas.conflictRatio() > params.max_conflict) {
+      say(k,
+          percent(m.areas.conflictRatio()) + " of the obstacles lie in free space of other maps");
+      clear.pose[k].reset();
+    }
+  }
+  clear.score = scoreOf(clear, evidence);
+
+  const double least_probability =
+      1 - params.max_risk / static_cast<double>(std::max<size_t>(n, 2) - 1);
+  const auto links = confirmedLinks(linksOf(clear, ways, evidence), n, least_probability);
+  const std::vector<bool> reached = connectedWith(0, n, links);
+  setParents(0, links, maps);
+  const std::optional<Isometry3d>& T_first = result.best.pose[0];
+  for (size_t k = 0; k < n; k++) {
+    PlacedMap& m = maps[k];
+    for (const Link& link : links)
+      if (link.a == k || link.b == k) m.ways_in.push_back(link.a == k ? link.b : link.a);
+    if (T_first && result.best.pose[k]) m.pose = T_first->inverse() * *result.best.pose[k];
+    m.placed = reached[k] && (k == 0 || clear.pose[k]);
+    if (k == 0 || !clear.pose[k]) continue;
+    if (m.ways_in.empty())
+      say(k,
+          "no loop of matches confirms the place, and no match alone is right with a probability "
+          "of " +
+              percent(least_probability));
+    else if (!m.placed)
+      say(k, "matches with " + listOf(m.ways_in, names) + " do not connect it with " + names[0]);
+    if (!m.placed) continue;
+    say(k, "placed by " + listOf(m.ways_in, names));
+    say(k, "the other maps confirm its place: " + percent(m.areas.conflictRatio()) +
+               " of the obstacles lie in their free space");
+    say(k, m.runner_up > 0 ? "the next best place gains " + percent(m.runner_up) + " as much"
+                           : "no other place agrees with the other maps");
+  }
+  return maps;
+}
+
+}  // namespace mrpt::fusion

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fusion_team/graph/configuration.h"
+#include "fusion_team/graph/team_search.h"
+
+/** \file
+ * The verdict of a team: which maps are placed right. */
+
+namespace mrpt::fusion {
+
+/** A way of a match, with the verdict on the pair alone. */
+struct JudgedWay {
+  Way way;
+  double probability = 0;  ///< Probability of the pair's verdict; 0 for rivals of the match
+};
+
+/** Settings of the verdict of a team. */
+struct JointVerdictParams {
+  double max_runner_up = 0.75;  ///< Largest gain of another place over the gain of the place
+  double max_conflict = 0.10;   ///< Largest share of a map's surface in free space
+  /** Largest probability that a wrong pair without a loop is accepted, for all pairs of a map
+   * together. */
+  double max_risk = 0.15;
+};
+
+/** The verdict on one map of a team. */
+struct PlacedMap {
+  bool placed = false;                    ///< True if the pose can be trusted
+  std::optional<Eigen::Isometry3d> pose;  ///< Pose in the frame of the first map, if searched
+  std::optional<size_t> parent;           ///< Map of the strongest way in, on the way to the first
+  std::vector<size_t> ways_in;            ///< Maps whose own matches give this place
+  double runner_up = 0;                   ///< See TeamSearchResult::runner_up
+  TeamAreas areas;                        ///< Evidence of all other placed maps
+  std::vector<std::string> reasons;       ///< Reasons of the verdict, one sentence each
+};
+
+/** Judges the best configuration of a team. A map is placed if
+ * - no other place of the map gains nearly as much, and few of its obstacles lie in free space;
+ * - a loop of matches connects it with the first map, or a match that is sure without a loop. The
+ *   match of one pair is sure if its probability of being wrong is at most max_risk over the
+ *   number of pairs that were tried for a map: many pairs have many chances to be wrong.
+ * \param[in] result The configuration; its poses are in any frame.
+ * \param[in] ways Hypotheses of all pairs.
+ * \param[in] evidence Evidence of all pairs.
+ * \param[in] names Names of the maps.
+ * \param[in] params Settings. */
+std::vector<PlacedMap> judgeTeam(const TeamSearchResult& result, const std::vector<JudgedWay>& ways,
+                                 const TeamEvidence& evidence,
+                                 const std::vector<std::string>& names,
+                                 const JointVerdictParams& params);
+
+}  // namespace mrpt::fusion

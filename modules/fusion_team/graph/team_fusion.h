@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/fusion/many_maps.h>
+
+#include <vector>
+
+/** \file
+ * Places the maps of a team. */
+
+namespace mrpt::fusion {
+
+/** Places whole maps by all their pairs together. A map without a place that can be trusted has
+ * joined = false, and its best match with a placed map. The first map has the identity.
+ * Cost: n (n-1) / 2 matches and a search of the configuration.
+ * \param[in] maps Two or more whole maps.
+ * \param[in] options Parameters of all stages.
+ * \param[in] on_member See fuseMaps(). */
+std::vector<FusionMember> placeTeam(const std::vector<RobotMap>& maps, const Options& options,
+                                    const OnMember& on_member);
+
+}  // namespace mrpt::fusion

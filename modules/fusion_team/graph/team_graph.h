@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "fusion_team/pairs/pair_evidence.h"
+
+/** \file
+ * The graph of a team: maps, and poses in which pairs of maps may lie. */
+
+namespace mrpt::fusion {
+
+/** A hypothesis of a pair: a pose in which two maps may lie. */
+struct Way {
+  size_t a = 0;                                             ///< Index of map A
+  size_t b = 0;                                             ///< Index of map B; larger than a
+  Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();  ///< Pose of map B in A's frame
+};
+
+/** Evidence of all pairs of a team, by the indices of both maps. Several threads may use it. */
+class TeamEvidence {
+ public:
+  virtual ~TeamEvidence() = default;
+  /** Returns the number of maps. */
+  virtual size_t size() const = 0;
+  /** Returns the evidence of maps a < b near a pose. */
+  virtual const PairEvidence& near(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const = 0;
+  /** True if two poses of map \a b in one frame are the same place. */
+  virtual bool isSame(size_t b, const Eigen::Isometry3d& T, const Eigen::Isometry3d& U) const = 0;
+  /** Area of each obstacle in the evidence of a map, m^2. */
+  virtual double areaOfObstacle(size_t map) const = 0;
+  /** Share of conflicts at which confirmed obstacles count nothing. */
+  virtual double tolerance() const = 0;
+};
+
+/** Poses of the maps of a team in one frame. */
+struct Configuration {
+  std::vector<std::optional<Eigen::Isometry3d>> pose;  ///< Pose of each map, if it is placed
+  double score = 0;                                    ///< See scoreOf()
+};
+
+}  // namespace mrpt::fusion

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "fusion_team/graph/team_graph.h"
+
+/** \file
+ * The best configuration of a team, and its rivals. */
+
+namespace mrpt::fusion {
+
+/** The best configuration of a team, and how clear it is. */
+struct TeamSearchResult {
+  Configuration best;  ///< The configuration with the largest score
+  /** For each placed map: largest score that the map, or a block of maps with it, gains at another
+   * place, over what it gains at its place. 0 without a rival; above 1 if a rival is better. */
+  std::vector<double> runner_up;
+};
+
+/** Searches the best configuration: grows configurations from the best ways, improves the best of
+ * them by moves, and compares the result with all others and with other places of each map and each
+ * linked pair of maps.
+ * \param[in] ways Hypotheses of all pairs.
+ * \param[in] evidence Evidence of all pairs.
+ * \param[in] most_starts Largest number of ways from which configurations grow. */
+TeamSearchResult searchTeam(const std::vector<Way>& ways, const TeamEvidence& evidence,
+                            size_t most_starts);
+
+}  // namespace mrpt::fusion

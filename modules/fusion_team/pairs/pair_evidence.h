@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/fusion/alignment.h>
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+/** \file
+ * What two maps of a team say for and against a pose. */
+
+namespace mrpt::fusion {
+
+/** A set of the obstacles of a map, one bit each. */
+using ObstacleSet = std::vector<uint64_t>;
+/** Returns the number of obstacles in a set. */
+double countOf(const ObstacleSet& set);
+
+/** Obstacles of one map of a pair, compared with the other map. */
+struct ComparedObstacles {
+  ObstacleSet confirmed;     ///< Obstacles that the other map confirms
+  ObstacleSet contradicted;  ///< Obstacles in the other map's free space
+};
+
+/** Evidence of a pair of maps at a pose. */
+struct PairEvidence {
+  Eigen::Isometry3d T_a_b;  ///< Pose of map B in A's frame, refined
+  ComparedObstacles of_a;   ///< Obstacles of A; empty sets if the maps do not meet
+  ComparedObstacles of_b;   ///< Obstacles of B; empty sets if the maps do not meet
+};
+
+/** The evidence of a pair of maps at any pose. It remembers the poses that it was asked for.
+ * Several threads may use it. */
+class EvidenceOfPair {
+ public:
+  /** \param[in] a,b The maps A and B, both whole maps.
+   * \param[in] options Parameters of all stages. */
+  EvidenceOfPair(const PreparedMap& a, const PreparedMap& b, const Options& options);
+  ~EvidenceOfPair();
+
+  /** Returns the evidence near a pose. The pose is first refined by some voxels. If the refined
+   * pose is another place (see isSamePlace()), the evidence is that of the given pose. Cost: some
+   * milliseconds; microseconds where the maps do not meet. */
+  const PairEvidence& near(const Eigen::Isometry3d& T_a_b);
+  /** True if two poses of B differ by at most the tolerance of a right pose, times \a factor. */
+  bool isSame(const Eigen::Isometry3d& T, const Eigen::Isometry3d& U, double factor = 1) const;
+
+ private:
+  struct Comparison;
+  bool mayMeet(const Eigen::Isometry3d& T_a_b) const;
+  PairEvidence at(const Eigen::Isometry3d& T_a_b) const;
+  PairEvidence computed(const Eigen::Isometry3d& T_a_b);
+
+  PreparedMap a_, b_;
+  Options options_;
+  Eigen::AlignedBox3d box_a_, box_b_;
+  Eigen::Vector3d middle_b_;
+  std::unique_ptr<Comparison> comparison_;
+  struct Known {
+    Eigen::Isometry3d asked;
+    PairEvidence evidence;
+  };
+  std::deque<Known> known_;
+  std::mutex mutex_;
+};
+
+}  // namespace mrpt::fusion

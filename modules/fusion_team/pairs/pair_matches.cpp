@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Matches the pairs of a team. */
+#include "fusion_team/pairs/pair_matches.h"
+
+#include <algorithm>
+#include <mutex>
+
+#include "fusion_base/error_text.h"
+#include "fusion_core/features/features.h"
+#include "fusion_core/pair/match.h"
+#include "fusion_team/graph/configuration.h"
+
+namespace mrpt::fusion {
+
+Prior priorOf(const RobotMap& map, const RobotMap& in) {
+  const double unknown = kUnknownPoseSigma * kUnknownPoseSigma;
+  for (const auto& cov : {map.pose.cov, in.pose.cov})
+    if (cov(0, 0) >= unknown) return Prior::none();
+  return Prior::gaussian(map.pose - in.pose);
+}
+
+std::vector<PairMatch> matchPairs(const std::vector<RobotMap>& maps, const Options& options,
+                                  Executor& executor, const OnMember& on_member) {
+  std::vector<PairMatch> matches;
+  for (size_t b = 0; b < maps.size(); b++)
+    for (size_t a = 0; a < b; a++) matches.push_back({a, b, {}});
+  std::mutex mutex;
+  executor.run(matches.size(), [&](size_t i) {
+    PairMatch& m = matches[i];
+    if (on_member) {
+      const std::lock_guard<std::mutex> lock(mutex);
+      on_member(maps[m.b].robot, m.a + 1);
+    }
+    withPath(maps[m.b].robot, [&] {
+      m.alignment = align(maps[m.a].map, maps[m.b].map, priorOf(maps[m.b], maps[m.a]), options);
+    });
+  });
+  return matches;
+}
+
+EvidenceOfMaps::EvidenceOfMaps(const std::vector<RobotMap>& maps, const Options& options)
+    : maps_(maps), pairs_(maps.size()) {
+  double scale = 0;
+  for (size_t a = 0; a < maps.size(); a++) {
+    const MapFeatures& map = maps[a].map.features();
+    const auto few =
+        PoseComparison::voxelsOf(map, comparisonOf(options), options.ranking.many_voxels);
+    const double side = map.voxels.resolution;
+    area_of_obstacle_.push_back(side * side * static_cast<double>(map.voxels.size()) /
+                                static_cast<double>(std::max<size_t>(few.voxels.size(), 1)));
+    middle_.push_back(meanOf(map.matched.voxels.centre));
+    scale = std::max(scale, map.scale);
+    for (size_t b = a + 1; b < maps.size(); b++)
+      pairs_[a].push_back(std::make_unique<EvidenceOfPair>(maps[a].map, maps[b].map, options));
+  }
+  tolerance_ = options.evaluation.tolerance;
+  tolerance_.translation *= scale;
+}
+
+const PairEvidence& EvidenceOfMaps::near(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const {
+  return pairs_[a][b - a - 1]->near(T_a_b);
+}
+
+bool EvidenceOfMaps::isSame(size_t b, const Eigen::Isometry3d& T,
+                            const Eigen::Isometry3d& U) const {
+  return isSamePlace(T, U, middle_[b], tolerance_);
+}
+
+std::vector<Way> waysOf(const std::vector<PairMatch>& matches, const TeamEvidence& evidence,
+                        size_t most) {
+  std::vector<Way> ways;
+  for (const PairMatch& m : matches) {
+    const auto& hypotheses = m.alignment.match.hypotheses;
+    for (size_t i = 0; i < std::min(most, hypotheses.size()); i++) {
+      // The first hypothesis is the match before the registration with all voxels.
+      const Eigen::Isometry3d& T = i == 0 ? m.alignment.match.T_a_b : hypotheses[i].T_a_b;
+      Configuration pair;
+      pair.pose.resize(evidence.size());
+      pair.pose[m.a] = Eigen::Isometry3d::Identity();
+      pair.pose[m.b] = evidence.near(m.a, m.b, T).T_a_b;
+      if (scoreOf(pair, evidence) > 0) ways.push_back({m.a, m.b, *pair.pose[m.b]});
+    }
+  }
+  return ways;
+}
+
+}  // namespace mrpt::fusion

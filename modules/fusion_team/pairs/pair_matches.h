@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrpt/fusion/many_maps.h>
+
+#include <cstddef>
+#include <vector>
+
+#include "fusion_team/graph/team_graph.h"
+#include "fusion_team/pairs/executor.h"
+
+/** \file
+ * The matches of the pairs of a team, and the evidence of all pairs. */
+
+namespace mrpt::fusion {
+
+/** The match of two maps of a team. */
+struct PairMatch {
+  size_t a;             ///< Index of map A
+  size_t b;             ///< Index of map B; larger than a
+  Alignment alignment;  ///< The match, with all its hypotheses
+};
+
+/** Returns the prior of a map's pose in the frame of another map. */
+Prior priorOf(const RobotMap& map, const RobotMap& in);
+
+/** Matches all pairs of whole maps. Each match is independent of the others.
+ * Cost: n (n-1) / 2 matches. */
+std::vector<PairMatch> matchPairs(const std::vector<RobotMap>& maps, const Options& options,
+                                  Executor& executor, const OnMember& on_member);
+
+/** The evidence of a team of whole maps. It refers to the maps, which must outlive it. */
+class EvidenceOfMaps : public TeamEvidence {
+ public:
+  EvidenceOfMaps(const std::vector<RobotMap>& maps, const Options& options);
+
+  size_t size() const override { return maps_.size(); }
+  const PairEvidence& near(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const override;
+  bool isSame(size_t b, const Eigen::Isometry3d& T, const Eigen::Isometry3d& U) const override;
+  double areaOfObstacle(size_t map) const override { return area_of_obstacle_[map]; }
+  double tolerance() const override { return kTolerance; }
+
+ private:
+  /** A right configuration has less than half of this share of conflicts, see
+   * doc/decisions/037-team.md. */
+  static constexpr double kTolerance = 0.03;
+  const std::vector<RobotMap>& maps_;
+  std::vector<double> area_of_obstacle_;
+  std::vector<std::vector<std::unique_ptr<EvidenceOfPair>>> pairs_;  // by a and b - a - 1
+  std::vector<Eigen::Vector3d> middle_;
+  PoseTolerance tolerance_;
+};
+
+/** Returns the hypotheses of all matches that the maps do not contradict, at most \a most of each
+ * match. */
+std::vector<Way> waysOf(const std::vector<PairMatch>& matches, const TeamEvidence& evidence,
+                        size_t most);
+
+}  // namespace mrpt::fusion
