@@ -4,6 +4,7 @@
 
 #include "mrpt_fusion_maps/edge_cost.h"
 
+#include <algorithm>
 #include <cmath>
 #include <unordered_map>
 
