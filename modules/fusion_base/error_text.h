@@ -37,12 +37,12 @@ inline std::string messageOf(const std::exception& e) {
   constexpr std::string_view kQuote = "Original exception:\n";
   const size_t quote = text.rfind(kQuote);
   if (quote != std::string::npos && text.find(kLabel, quote) == std::string::npos) {
-    const std::string line = lineAt(quote + kQuote.size());
+    std::string line = lineAt(quote + kQuote.size());
     if (!line.empty()) return line;
   }
   for (size_t label = text.rfind(kLabel); label != std::string::npos;
        label = label == 0 ? std::string::npos : text.rfind(kLabel, label - 1)) {
-    const std::string line = lineAt(label + kLabelSize);
+    std::string line = lineAt(label + kLabelSize);
     if (!line.empty()) return line;
   }
   const std::string line = text.find(kLabel) == std::string::npos ? lineAt(0) : std::string();

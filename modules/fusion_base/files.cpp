@@ -167,7 +167,7 @@ std::string beginningOf(const std::string& path) {
   bytes.resize(static_cast<size_t>(f.gcount()));
   if (bytes.empty()) readFileBytes(path);  // throws the reason: missing, a directory, empty
   if (isGzip(bytes)) {
-    const std::string unpacked = gunzippedBeginning(bytes, kBeginning);
+    std::string unpacked = gunzippedBeginning(bytes, kBeginning);
     if (!unpacked.empty()) return unpacked;
   }
   return bytes.substr(0, kBeginning);

@@ -61,8 +61,9 @@ Parameter count(const char* key, size_t& field, double min, double max, const ch
   return numeric(key, field, min, max, comment, NumberKind::Whole);
 }
 
-Parameter namedValue(const char* key, std::vector<std::string> names, std::function<size_t()> get,
-                     std::function<void(size_t)> set, const std::string& comment) {
+Parameter namedValue(const char* key, const std::vector<std::string>& names,
+                     std::function<size_t()> get, std::function<void(size_t)> set,
+                     const std::string& comment) {
   Parameter p;
   p.key = key;
   p.comment = comment;

@@ -61,8 +61,9 @@ std::string listOf(const Names<E>& names) {
 }
 
 /** Implements choice(). \a get and \a set access the index into \a names. */
-Parameter namedValue(const char* key, std::vector<std::string> names, std::function<size_t()> get,
-                     std::function<void(size_t)> set, const std::string& comment);
+Parameter namedValue(const char* key, const std::vector<std::string>& names,
+                     std::function<size_t()> get, std::function<void(size_t)> set,
+                     const std::string& comment);
 
 /** Makes the parameter of an enumeration. \a names holds all of its values and is copied. */
 template <class E>

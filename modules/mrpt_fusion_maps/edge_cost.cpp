@@ -4,6 +4,7 @@
 
 #include "mrpt_fusion_maps/edge_cost.h"
 
+#include <algorithm>
 #include <cmath>
 #include <unordered_map>
 
@@ -20,13 +21,13 @@ uint64_t edgePairs(const std::vector<octomap::OcTreeKey>& edges, double radius) 
   for (const auto& e : edges) counts[{part(e[0], 1), part(e[1], 1), part(e[2], 1)}]++;
 
   uint64_t pairs = 0;
-  for (const auto& [cell, count] : counts)
+  for (const auto& entry : counts)
     for (unsigned i = 0; i < 27; i++) {
       const auto beside = [&](unsigned axis, unsigned third) {
-        return static_cast<octomap::key_type>(cell[axis] + third % 3 - 1);
+        return static_cast<octomap::key_type>(entry.first[axis] + third % 3 - 1);
       };
       const auto near = counts.find({beside(0, i), beside(1, i / 3), beside(2, i / 9)});
-      if (near != counts.end()) pairs += count * near->second;
+      if (near != counts.end()) pairs += entry.second * near->second;
     }
   return pairs;
 }

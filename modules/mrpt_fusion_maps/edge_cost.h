@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <octomap/OcTreeKey.h>
+#include <octomap/OcTree.h>
 
 #include <cstdint>
 #include <vector>

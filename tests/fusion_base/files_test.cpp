@@ -149,8 +149,10 @@ TEST(Files, APipeIsReadToItsEnd) {
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   std::string bytes(300'000, 'x');  // more than a pipe holds
   for (size_t i = 0; i < bytes.size(); i += 7) bytes[i] = static_cast<char>(i);
-  for (const auto& [sent, most] : {std::pair(bytes, bytes.size()), std::pair(bytes, size_t{1000}),
-                                   std::pair(std::string(), size_t{10})}) {
+  for (const auto& each : {std::pair(bytes, bytes.size()), std::pair(bytes, size_t{1000}),
+                           std::pair(std::string(), size_t{10})}) {
+    const std::string& sent = each.first;
+    const size_t most = each.second;
     std::thread writer([&] {
       const int fd = ::open(pipe.c_str(), O_WRONLY);
       size_t done = 0;

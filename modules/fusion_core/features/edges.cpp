@@ -49,7 +49,8 @@ float angleCost(const VoxelBlocks& near, const VoxelBlocks::Ball& ball,
 Eigen::Vector3f acrossEdge(const VoxelBlocks& near, const VoxelBlocks::Ball& ball,
                            const octomap::OcTreeKey& key, const Eigen::Vector3f& normal,
                            const std::vector<Eigen::Vector3f>& normals) {
-  const Eigen::Vector3f u = normal.unitOrthogonal(), v = normal.cross(u);
+  Eigen::Vector3f u = normal.unitOrthogonal();
+  const Eigen::Vector3f v = normal.cross(u);
   float uu = 0, uv = 0, vv = 0;
   near.forEachAround(placeOf(key), ball, [&](uint32_t j, const VoxelBlocks::Offset&) {
     const float a = normals[j].dot(u), b = normals[j].dot(v);
@@ -231,6 +232,7 @@ EdgeVoxels extractEdges(const OccupiedVoxels& voxels, const VoxelBlocks& occupie
   std::vector<uint32_t> found = detectEdges(voxels, occupied, pieces, candidates, params);
   found.erase(std::remove(found.begin(), found.end(), kNone), found.end());
   std::vector<Eigen::Vector3f> points;
+  points.reserve(found.size());
   for (const uint32_t i : found) points.push_back(voxels.centre[i]);
 
   std::vector<octomap::OcTreeKey> keys;

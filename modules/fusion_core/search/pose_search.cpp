@@ -172,6 +172,7 @@ class PoseSearch {
  private:
   std::vector<Hypothesis> hypotheses(const std::vector<Place>& places) const {
     std::vector<Hypothesis> best;
+    best.reserve(places.size());
     for (const Place& p : places) best.push_back({lattice_.at(p), static_cast<double>(p.score)});
     return best;
   }

@@ -59,7 +59,7 @@ void ScoreGrid::addBox(const Cell& low, const Cell& size, uint16_t* __restrict s
   for (int k = std::max(0, -z); k < std::min(size[2], size_[2] - z); k++)
     for (int j = first_y; j < end_y; j++) {
       const uint16_t* __restrict values = &values_[index(x + first_x, y + j, z + k)];
-      uint16_t* __restrict row = sums + (k * size[1] + j) * row_length;
+      uint16_t* __restrict row = sums + static_cast<ptrdiff_t>(k * size[1] + j) * row_length;
       if (whole_rows) {
         for (int i = 0; i < row_length; i += kLanes)
           for (int lane = 0; lane < kLanes; lane++)

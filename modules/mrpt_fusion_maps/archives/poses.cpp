@@ -7,6 +7,7 @@
 #include <mrpt/core/exceptions.h>
 #include <mrpt/core/format.h>
 
+#include <Eigen/Core>
 #include <cmath>
 
 namespace mrpt::fusion {

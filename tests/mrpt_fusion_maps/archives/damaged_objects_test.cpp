@@ -161,7 +161,8 @@ TEST(DamagedObject, TheReasonIsInTheMessage) {
   writeRaw(dir.path("voxels"), withNumber(serialized(CProbOctoMap(0.123)), 0.123, 1e38));
   for (const auto& [name, reason] : std::map<std::string, std::string>{
            {"pose", "a coordinate of 1e+18 m"}, {"voxels", "a voxel size of 1e+38 m"}}) {
-    const std::string error = errorOf([&] { mrpt::fusion::loadAnyMap(dir.path(name)); });
+    const std::string path = dir.path(name);
+    const std::string error = errorOf([&] { mrpt::fusion::loadAnyMap(path); });
     EXPECT_NE(error.find(reason), std::string::npos) << error;
     EXPECT_EQ(error.find("Exception"), std::string::npos) << error;
   }
