@@ -23,9 +23,9 @@ class CombiningVisitor {
    * top of a stack that all states share. States live in the order of the recursion. */
   class State {
    public:
-    State(std::vector<MapNode>& stack, const OcTreeNode* before, TouchedSpace::Share touched)
-        : before(before),
-          touched(touched),
+    State(std::vector<MapNode>& stack, const OcTreeNode* earlier, TouchedSpace::Share share)
+        : before(earlier),
+          touched(share),
           stack_(&stack),
           begin_(stack.size()),
           end_(stack.size()) {}
