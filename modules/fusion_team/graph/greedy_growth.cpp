@@ -5,10 +5,15 @@
 #include <mrpt/fusion/many_maps.h>
 
 #include <algorithm>
+#include <memory>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "fusion_base/error_text.h"
 #include "fusion_team/graph/team_fusion.h"
+#include "fusion_team/ledger/ledger.h"
 #include "fusion_team/pairs/pair_matches.h"
 
 namespace mrpt::fusion {
@@ -47,8 +52,7 @@ class Growth {
       while (const auto next = mostProbable(even_rejected)) join(*next);
     for (size_t i = 0; i < maps_.size(); i++)
       if (maps_[i].map.isEdgesAlone()) matchWithJoined(i);
-    if (!result_.map)
-      result_.map = std::make_unique<octomap::OcTree>(maps_[joined_.front()].map.wholeMap());
+    result_.map = fused();
     return std::move(result_);
   }
 
@@ -96,13 +100,21 @@ class Growth {
   }
 
   void join(size_t i) {
-    FusionMember& member = result_.members[i];
-    const octomap::OcTree& so_far =
-        result_.map ? *result_.map : maps_[joined_.front()].map.wholeMap();
-    result_.map =
-        mergeMaps(so_far, maps_[i].map.wholeMap(), toEigen(member.pose.mean), options_.merge);
-    member.joined = true;
+    result_.members[i].joined = true;
     joined_.push_back(i);
+  }
+
+  /** Returns the map of all joined maps. It does not depend on the order in which they joined. */
+  std::unique_ptr<octomap::OcTree> fused() const {
+    if (joined_.size() < 2)
+      return std::make_unique<octomap::OcTree>(maps_[joined_.front()].map.wholeMap());
+    // The number tells robots of one name apart.
+    const auto nameOf = [&](size_t i) { return SourceName{maps_[i].robot, std::to_string(i)}; };
+    Ledger ledger({options_.merge, nameOf(joined_.front()), false});
+    for (const size_t i : joined_)
+      ledger.add(Source(nameOf(i), 0, maps_[i].map.octree()),
+                 toEigen(result_.members[i].pose.mean));
+    return std::make_unique<octomap::OcTree>(*ledger.map());
   }
 
   const std::vector<RobotMap>& maps_;
