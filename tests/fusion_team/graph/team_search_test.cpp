@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Tests of the search and the verdict of a team, on maps that are circles of obstacles. */
+#include "fusion_team/graph/team_search.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fusion_team/graph/joint_verdict.h"
+#include "fusion_team/graph/pose_graph.h"
+
+namespace mrpt::fusion::test {
+namespace {
+
+using Eigen::Isometry3d;
+
+Isometry3d at(double x, double y, double yaw = 0) {
+  Isometry3d T = Isometry3d::Identity();
+  T.translate(Eigen::Vector3d(x, y, 0));
+  T.rotate(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
+  return T;
+}
+
+/** Four maps on a square of 10 m. Neighbours confirm 32 of 64 obstacles of each other at the right
+ * pose; at any other pose at which they meet, 16 obstacles lie in free space. Diagonal maps do not
+ * meet at the right pose. */
+class Square : public TeamEvidence {
+ public:
+  static Isometry3d truth(size_t k) {
+    const double x[] = {0, 10, 10, 0}, y[] = {0, 0, 10, 10};
+    return at(x[k], y[k], 0.3 * static_cast<double>(k));
+  }
+  static Isometry3d truth(size_t a, size_t b) { return truth(a).inverse() * truth(b); }
+  static bool areNeighbours(size_t a, size_t b) { return (b - a) % 2 == 1; }
+
+  size_t size() const override { return 4; }
+  bool isSame(size_t, const Isometry3d& T, const Isometry3d& U) const override {
+    return (T.translation() - U.translation()).norm() < 0.6;
+  }
+  double areaOfObstacle(size_t) const override { return 1; }
+  double tolerance() const override { return 0.03; }
+  const PairEvidence& near(size_t a, size_t b, const Isometry3d& T) const override {
+    static const PairEvidence none{},
+        right{{}, {{0xffffffffU << (a % 2 * 16)}, {0}}, {{0xffffffffU}, {0}}},
+        wrong{{}, {{0xffffffffU}, {0xffff00000000U}}, {{0xffffffffU}, {0}}};
+    if (T.translation().norm() > 12) return none;
+    if (!areNeighbours(a, b)) return wrong;
+    return isSame(b, T, truth(a, b)) ? right : wrong;
+  }
+};
+
+std::vector<Way> waysAround(size_t links) {
+  const std::pair<size_t, size_t> around[] = {{0, 1}, {1, 2}, {2, 3}, {0, 3}};
+  std::vector<Way> ways;
+  for (size_t i = 0; i < links; i++)
+    ways.push_back(
+        {around[i].first, around[i].second, Square::truth(around[i].first, around[i].second)});
+  return ways;
+}
+
+std::vector<JudgedWay> judgedAs(double probability, const std::vector<Way>& ways) {
+  std::vector<JudgedWay> judged;
+  for (const Way& way : ways) judged.push_back({way, probability});
+  return judged;
+}
+
+std::vector<PlacedMap> placed(const std::vector<Way>& ways, double probability,
+                              double runner_up_of_2 = 0) {
+  TeamSearchResult found = searchTeam(ways, Square(), 16);
+  found.runner_up[2] = std::max(found.runner_up[2], runner_up_of_2);
+  return judgeTeam(found, judgedAs(probability, ways), Square(), {"a", "b", "c", "d"}, {});
+}
+
+size_t numberOf(const std::vector<PlacedMap>& maps) {
+  size_t n = 0;
+  for (const PlacedMap& m : maps) n += m.placed ? 1 : 0;
+  return n;
+}
+
+TEST(TeamSearch, FindsThePosesAtWhichAllPairsAgree) {
+  std::vector<Way> ways = waysAround(4);
+  ways.insert(ways.begin(), {0, 2, at(3, 1)});  // diagonal maps on each other
+  ways.insert(ways.begin(), {0, 1, at(0, -5)});
+  const TeamSearchResult found = searchTeam(ways, Square(), 16);
+  for (size_t k = 1; k < 4; k++) {
+    ASSERT_TRUE(found.best.pose[k]) << k;
+    EXPECT_TRUE(
+        (found.best.pose[0]->inverse() * *found.best.pose[k]).isApprox(Square::truth(0, k), 1e-6))
+        << k;
+    EXPECT_LT(found.runner_up[k], 0.75) << k;
+  }
+}
+
+TEST(TeamSearch, WithoutWaysPlacesNothing) {
+  const TeamSearchResult found = searchTeam({}, Square(), 16);
+  for (const auto& pose : found.best.pose) EXPECT_FALSE(pose);
+}
+
+TEST(JointVerdict, ALoopOfUnsureMatchesPlacesAllMaps) {
+  const auto maps = placed(waysAround(4), 0.3);
+  EXPECT_EQ(numberOf(maps), 4U);
+  EXPECT_EQ(maps[2].ways_in.size(), 2U);
+}
+
+TEST(JointVerdict, AChainOfUnsureMatchesPlacesNoMapButTheFirst) {
+  const auto maps = placed(waysAround(3), 0.9);
+  EXPECT_EQ(numberOf(maps), 1U);
+  EXPECT_TRUE(maps[0].placed);
+  ASSERT_FALSE(maps[3].reasons.empty());
+  EXPECT_NE(maps[3].reasons[0].find("no loop"), std::string::npos) << maps[3].reasons[0];
+}
+
+TEST(JointVerdict, AChainOfSureMatchesPlacesAllMaps) {
+  EXPECT_EQ(numberOf(placed(waysAround(3), 0.96)), 4U) << "1 - 0.15 / 3 is 0.95";
+}
+
+TEST(JointVerdict, TwoHypothesesOfAPairAreOneWitness) {
+  auto ways = waysAround(3);
+  ways.push_back({2, 3, Square::truth(2, 3) * at(0.1, 0)});
+  EXPECT_EQ(numberOf(placed(ways, 0.9)), 1U);
+}
+
+TEST(JointVerdict, AMapWithARivalIsNotPlacedAndOpensItsLoop) {
+  const auto maps = placed(waysAround(4), 0.3, 0.8);
+  EXPECT_EQ(numberOf(maps), 1U);
+  ASSERT_FALSE(maps[2].reasons.empty());
+  EXPECT_NE(maps[2].reasons[0].find("another place gains 80 %"), std::string::npos)
+      << maps[2].reasons[0];
+}
+
+TEST(PoseGraph, SpreadsTheErrorOfALoop) {
+  // Each of four sides is measured 0.1 m too long. A square of four equal sides closes.
+  std::vector<std::optional<Isometry3d>> pose{at(0, 0), at(10.1, 0), at(10.1, 10.1), at(0.3, 10.1)};
+  optimizePoses(
+      {{0, 1, at(10.1, 0)}, {1, 2, at(0, 10.1)}, {2, 3, at(-10.1, 0)}, {0, 3, at(0, 10.1)}}, pose);
+  EXPECT_TRUE(pose[0]->isApprox(at(0, 0), 1e-9)) << "the first pose keeps its value";
+  EXPECT_NEAR(pose[3]->translation().x(), 0, 1e-3);
+  EXPECT_NEAR(pose[3]->translation().y(), 10.1, 1e-3);
+}
+
+TEST(PoseGraph, AWrongConstraintLosesItsWeight) {
+  std::vector<std::optional<Isometry3d>> pose{at(0, 0), at(1, 0), at(2, 0)};
+  optimizePoses({{0, 1, at(1, 0)}, {1, 2, at(1, 0)}, {0, 2, at(2, 0)}, {0, 2, at(9, 4)}}, pose);
+  EXPECT_NEAR(pose[2]->translation().x(), 2, 0.05);
+  EXPECT_NEAR(pose[2]->translation().y(), 0, 0.05);
+}
+
+}  // namespace
+}  // namespace mrpt::fusion::test
