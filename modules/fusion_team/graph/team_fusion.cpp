@@ -3,10 +3,13 @@
  * Places the maps of a team: pairs, configuration, verdict, poses. */
 #include "fusion_team/graph/team_fusion.h"
 
+#include <mrpt/core/exceptions.h>
+
 #include <algorithm>
 #include <string>
 #include <utility>
 
+#include "fusion_base/error_text.h"
 #include "fusion_core/pair/align_from.h"
 #include "fusion_team/graph/joint_verdict.h"
 #include "fusion_team/pairs/pair_matches.h"
@@ -57,6 +60,10 @@ FusionMember bestMatch(size_t k, const std::vector<PairMatch>& matches,
 
 std::vector<FusionMember> placeTeam(const std::vector<RobotMap>& maps, const Options& options,
                                     const OnMember& on_member) {
+  for (const RobotMap& map : maps)
+    withPath(map.robot,
+             [&] { ASSERTMSG_(map.map.occupiedVoxels() > 0, "the map has no occupied voxel"); });
+
   // 1. Pairs: each map with each other map.
   ThreadExecutor executor;
   const std::vector<PairMatch> matches = matchPairs(maps, options, executor, on_member);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <mrpt/fusion/export.h>
 #include <mrpt/fusion/merging.h>
 #include <octomap/OcTree.h>
 
@@ -65,7 +64,7 @@ struct LedgerEntry {
  * resolution or sensor model, all is computed anew.
  *
  * Several threads may call const functions at once. */
-class MRPT_FUSION_API Ledger {
+class Ledger {
  public:
   explicit Ledger(LedgerParams params = {}) : params_(std::move(params)) {}
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <mrpt/fusion/export.h>
 #include <octomap/OcTree.h>
 
 #include <cstdint>
@@ -30,10 +29,10 @@ struct SourceName {
  * Octrees with the same voxels have the same hash, pruned or not. Inner nodes and the sensor model
  * do not count. The hash is the same on all machines and in all versions. It is not cryptographic.
  * Cost: one traversal. */
-MRPT_FUSION_API uint64_t voxelHash(const octomap::OcTree& map);
+uint64_t voxelHash(const octomap::OcTree& map);
 
 /** One version of the map of one robot. An immutable value: copies share the octree. */
-class MRPT_FUSION_API Source {
+class Source {
  public:
   /** Computes the hash of the map.
    * \param[in] name Name of the source.

@@ -175,6 +175,8 @@ TEST_F(Growing, ErrorsNameTheRobot) {
     return std::string();
   };
   EXPECT_EQ(errorOf({a(), empty}), "e: map B has no occupied voxel");
+  EXPECT_NE(errorOf({empty, a(), b()}).find("e: "), std::string::npos);
+  EXPECT_NE(errorOf({empty, a(), b()}).find("the map has no occupied voxel"), std::string::npos);
   EXPECT_NE(errorOf({}).find("there is no map but edges"), std::string::npos);
   EXPECT_NE(errorOf({{"e", PreparedMap(pair().b.edges)}}), "");
 }
