@@ -36,6 +36,7 @@ void unite(ComparedObstacles& all, const ComparedObstacles& more) {
   unite(all.confirmed, more.confirmed);
   unite(all.contradicted, more.contradicted);
 }
+
 /** What the placed maps know about each other, by map. */
 using Known = std::vector<ComparedObstacles>;
 
@@ -180,13 +181,18 @@ double scoreOf(const Configuration& c, const TeamEvidence& evidence) {
   return sum;
 }
 
-Configuration grownFrom(const Way& seed, const std::vector<Way>& ways, const TeamEvidence& evidence,
-                        GrowthOrder order) {
+Configuration pairOf(const Way& way, const TeamEvidence& evidence) {
   Configuration c;
   c.pose.resize(evidence.size());
-  c.pose[seed.a] = Isometry3d::Identity();
-  c.pose[seed.b] = seed.T_a_b;
+  c.pose[way.a] = Isometry3d::Identity();
+  c.pose[way.b] = way.T_a_b;
   c.score = scoreOf(c, evidence);
+  return c;
+}
+
+Configuration grownFrom(const Way& seed, const std::vector<Way>& ways, const TeamEvidence& evidence,
+                        GrowthOrder order) {
+  Configuration c = pairOf(seed, evidence);
   grow(c, ways, evidence, order);
   return c;
 }

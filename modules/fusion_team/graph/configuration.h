@@ -10,8 +10,7 @@
 
 namespace mrpt::fusion {
 
-/** Areas of the surfaces of a team's maps. Each surface counts once, by however many maps it is
- * seen. */
+/** Areas of the surfaces of a team's maps. A surface that many maps see counts once. */
 struct TeamAreas {
   double confirmed = 0;     ///< Area that at least one other map confirms, m^2
   double contradicted = 0;  ///< Area in the free space of at least one other map, m^2
@@ -28,6 +27,9 @@ TeamAreas areasOf(size_t k, const Configuration& c, const TeamEvidence& evidence
  * another; a sum over pairs would prefer that pile, because it counts each surface as often as maps
  * see it. */
 double scoreOf(const Configuration& c, const TeamEvidence& evidence);
+
+/** Returns the configuration of the two maps of a way, in the frame of map A. */
+Configuration pairOf(const Way& way, const TeamEvidence& evidence);
 
 /** Which map is placed next. */
 enum class GrowthOrder {

@@ -128,7 +128,6 @@ std::vector<PlacedMap> judgeTeam(const TeamSearchResult& result, const std::vect
       clear.pose[k].reset();
     }
   }
-  clear.score = scoreOf(clear, evidence);
 
   const double least_probability =
       1 - params.max_risk / static_cast<double>(std::max<size_t>(n, 2) - 1);

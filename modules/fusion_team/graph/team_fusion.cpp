@@ -22,6 +22,21 @@ constexpr size_t kMostHypotheses = 12;
 /** Configurations that the search grows, for each map. */
 constexpr size_t kStartsPerMap = 4;
 
+/** Returns the hypotheses of all matches that the maps do not contradict. */
+std::vector<Way> waysOf(const std::vector<PairMatch>& matches, const TeamEvidence& evidence) {
+  std::vector<Way> ways;
+  for (const PairMatch& m : matches) {
+    const auto& hypotheses = m.alignment.match.hypotheses;
+    for (size_t i = 0; i < std::min(kMostHypotheses, hypotheses.size()); i++) {
+      // The first hypothesis is the match before the registration with all voxels.
+      const Eigen::Isometry3d& T = i == 0 ? m.alignment.match.T_a_b : hypotheses[i].T_a_b;
+      const Way way{m.a, m.b, evidence.near(m.a, m.b, T).T_a_b};
+      if (pairOf(way, evidence).score > 0) ways.push_back(way);
+    }
+  }
+  return ways;
+}
+
 std::vector<JudgedWay> judged(const std::vector<Way>& ways, const std::vector<PairMatch>& matches,
                               const TeamEvidence& evidence) {
   std::vector<JudgedWay> result;
@@ -36,24 +51,16 @@ std::vector<JudgedWay> judged(const std::vector<Way>& ways, const std::vector<Pa
   return result;
 }
 
-/** Returns the best match of a map that is not placed with a placed map. */
-FusionMember bestMatch(size_t k, const std::vector<PairMatch>& matches,
-                       const std::vector<PlacedMap>& placed, const std::vector<RobotMap>& maps,
-                       const Options& options) {
+/** Returns the most probable match of a map that is not placed with a placed map. */
+const PairMatch& bestMatch(size_t k, const std::vector<PairMatch>& matches,
+                           const std::vector<PlacedMap>& placed) {
   const PairMatch* best = nullptr;
   for (const PairMatch& m : matches) {
     if ((m.a != k && m.b != k) || !placed[m.a == k ? m.b : m.a].placed) continue;
     if (!best || m.alignment.evaluation.probability > best->alignment.evaluation.probability)
       best = &m;
   }
-  FusionMember member;
-  const size_t other = best->a == k ? best->b : best->a;
-  member.matched_with = maps[other].robot;
-  member.alignment = best->b == k ? best->alignment
-                                  : alignFrom(maps[other].map, maps[k].map,
-                                              best->alignment.match.T_a_b.inverse(), options);
-  member.alignment.evaluation.accepted = false;
-  return member;
+  return *best;
 }
 
 }  // namespace
@@ -70,7 +77,7 @@ std::vector<FusionMember> placeTeam(const std::vector<RobotMap>& maps, const Opt
 
   // 2. Graph: the poses at which all pairs agree best, and their rivals.
   const EvidenceOfMaps evidence(maps, options);
-  const std::vector<Way> ways = waysOf(matches, evidence, kMostHypotheses);
+  const std::vector<Way> ways = waysOf(matches, evidence);
   const TeamSearchResult found = searchTeam(ways, evidence, kStartsPerMap * maps.size());
 
   // 3. Verdict: the maps whose place can be trusted.
@@ -83,42 +90,41 @@ std::vector<FusionMember> placeTeam(const std::vector<RobotMap>& maps, const Opt
   const std::vector<PlacedMap> placed =
       judgeTeam(found, judged(ways, matches, evidence), evidence, names, params);
 
-  // 4. Poses: each placed map is registered with its parent, with all voxels.
+  // 4. Poses: each placed map is registered with its parent, with all voxels. Each other map keeps
+  // its best match with a placed map.
   std::vector<FusionMember> members(maps.size());
+  std::vector<size_t> partner(maps.size(), 0);
   executor.run(maps.size(), [&](size_t k) {
     const PlacedMap& p = placed[k];
+    FusionMember& member = members[k];
+    member.robot = maps[k].robot;
+    member.joined = p.placed;
     if (k == 0) return;
-    if (p.placed) {
-      const size_t parent = *p.parent;
-      members[k].joined = true;
-      members[k].matched_with = maps[parent].robot;
-      members[k].alignment = alignFrom(maps[parent].map, maps[k].map,
-                                       placed[parent].pose->inverse() * *p.pose, options);
-      members[k].alignment.evaluation.accepted = true;
+    const PairMatch* match = p.placed ? nullptr : &bestMatch(k, matches, placed);
+    partner[k] = p.placed ? *p.parent : match->a == k ? match->b : match->a;
+    member.matched_with = maps[partner[k]].robot;
+    if (match && match->b == k) {
+      member.alignment = match->alignment;
     } else {
-      members[k] = bestMatch(k, matches, placed, maps, options);
+      const Eigen::Isometry3d T = match ? match->alignment.match.T_a_b.inverse()
+                                        : placed[partner[k]].pose->inverse() * *p.pose;
+      member.alignment = alignFrom(maps[partner[k]].map, maps[k].map, T, options);
     }
-    members[k].alignment.evaluation.reasons = p.reasons;
-    members[k].alignment.evaluation.runner_up = p.runner_up;
-    members[k].alignment.evaluation.is_ambiguous = !p.placed && p.runner_up > params.max_runner_up;
+    Evaluation& e = member.alignment.evaluation;
+    e.accepted = p.placed;
+    e.reasons = p.reasons;
+    e.runner_up = p.runner_up;
+    e.is_ambiguous = !p.placed && p.runner_up > params.max_runner_up;
   });
-  members[0].joined = true;
+  // A map follows its partner, which is placed.
   std::vector<size_t> order{0};
   for (size_t next = 0; next < order.size(); next++)
-    for (size_t k = 1; k < maps.size(); k++)
-      if (placed[k].placed && placed[k].parent == order[next]) {
-        members[k].pose = order[next] == 0
-                              ? members[k].alignment.pose()
-                              : members[order[next]].pose + members[k].alignment.pose();
-        order.push_back(k);
-      }
-  for (size_t k = 1; k < maps.size(); k++)
-    if (!members[k].joined)
-      for (size_t j = 0; j < maps.size(); j++)
-        if (maps[j].robot == members[k].matched_with)
-          members[k].pose =
-              j == 0 ? members[k].alignment.pose() : members[j].pose + members[k].alignment.pose();
-  for (size_t k = 0; k < maps.size(); k++) members[k].robot = maps[k].robot;
+    for (size_t k = 1; k < maps.size(); k++) {
+      if (partner[k] != order[next]) continue;
+      const auto in_partner = members[k].alignment.pose();
+      members[k].pose = partner[k] == 0 ? in_partner : members[partner[k]].pose + in_partner;
+      order.push_back(k);
+    }
   return members;
 }
 

@@ -15,19 +15,10 @@ using Eigen::Isometry3d;
 
 bool scoresBetter(const Configuration& g, const Configuration& h) { return g.score > h.score; }
 
-Configuration ofPair(const Way& way, const TeamEvidence& evidence) {
-  Configuration c;
-  c.pose.resize(evidence.size());
-  c.pose[way.a] = Isometry3d::Identity();
-  c.pose[way.b] = way.T_a_b;
-  c.score = scoreOf(c, evidence);
-  return c;
-}
-
 /** Returns the best way of each pair, best score first. */
 std::vector<Way> bestOf(const std::vector<Way>& ways, const TeamEvidence& evidence, size_t most) {
   std::vector<std::pair<double, size_t>> order;
-  for (size_t i = 0; i < ways.size(); i++) order.emplace_back(-ofPair(ways[i], evidence).score, i);
+  for (size_t i = 0; i < ways.size(); i++) order.emplace_back(-pairOf(ways[i], evidence).score, i);
   std::sort(order.begin(), order.end());
   std::vector<Way> best;
   for (const auto& [score, i] : order) {

@@ -43,9 +43,9 @@ class EvidenceOfPair {
   EvidenceOfPair(const PreparedMap& a, const PreparedMap& b, const Options& options);
   ~EvidenceOfPair();
 
-  /** Returns the evidence near a pose. The pose is first refined by some voxels. If the refined
-   * pose is another place (see isSamePlace()), the evidence is that of the given pose. Cost: some
-   * milliseconds; microseconds where the maps do not meet. */
+  /** Returns the evidence near a pose. The pose is first refined by some voxels. If the
+   * refined pose is farther away than a fifth of the tolerance of a right pose, the evidence is
+   * that of the given pose. Cost: some milliseconds; microseconds where the maps do not meet. */
   const PairEvidence& near(const Eigen::Isometry3d& T_a_b);
   /** True if two poses of B differ by at most the tolerance of a right pose, times \a factor. */
   bool isSame(const Eigen::Isometry3d& T, const Eigen::Isometry3d& U, double factor = 1) const;

@@ -9,7 +9,6 @@
 #include "fusion_base/error_text.h"
 #include "fusion_core/features/features.h"
 #include "fusion_core/pair/match.h"
-#include "fusion_team/graph/configuration.h"
 
 namespace mrpt::fusion {
 
@@ -65,24 +64,6 @@ const PairEvidence& EvidenceOfMaps::near(size_t a, size_t b, const Eigen::Isomet
 bool EvidenceOfMaps::isSame(size_t b, const Eigen::Isometry3d& T,
                             const Eigen::Isometry3d& U) const {
   return isSamePlace(T, U, middle_[b], tolerance_);
-}
-
-std::vector<Way> waysOf(const std::vector<PairMatch>& matches, const TeamEvidence& evidence,
-                        size_t most) {
-  std::vector<Way> ways;
-  for (const PairMatch& m : matches) {
-    const auto& hypotheses = m.alignment.match.hypotheses;
-    for (size_t i = 0; i < std::min(most, hypotheses.size()); i++) {
-      // The first hypothesis is the match before the registration with all voxels.
-      const Eigen::Isometry3d& T = i == 0 ? m.alignment.match.T_a_b : hypotheses[i].T_a_b;
-      Configuration pair;
-      pair.pose.resize(evidence.size());
-      pair.pose[m.a] = Eigen::Isometry3d::Identity();
-      pair.pose[m.b] = evidence.near(m.a, m.b, T).T_a_b;
-      if (scoreOf(pair, evidence) > 0) ways.push_back({m.a, m.b, *pair.pose[m.b]});
-    }
-  }
-  return ways;
 }
 
 }  // namespace mrpt::fusion

@@ -51,9 +51,4 @@ class EvidenceOfMaps : public TeamEvidence {
   PoseTolerance tolerance_;
 };
 
-/** Returns the hypotheses of all matches that the maps do not contradict, at most \a most of each
- * match. */
-std::vector<Way> waysOf(const std::vector<PairMatch>& matches, const TeamEvidence& evidence,
-                        size_t most);
-
 }  // namespace mrpt::fusion
