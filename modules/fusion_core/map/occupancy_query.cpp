@@ -22,4 +22,10 @@ bool isFree(const MapVoxels& map, const Eigen::Vector3d& p) {
   return map.map->coordToKeyChecked(p.x(), p.y(), p.z(), key) && map.free.has(key);
 }
 
+bool hasObstacle(const MapVoxels& map, const Eigen::Vector3d& p, const VoxelBlocks::Ball& ball) {
+  octomap::OcTreeKey key;
+  return map.map->coordToKeyChecked(p.x(), p.y(), p.z(), key) &&
+         map.occupied.anyAround({key[0], key[1], key[2]}, ball);
+}
+
 }  // namespace mrpt::fusion

@@ -30,4 +30,7 @@ ObstacleCheck checkObstacle(const MapVoxels& map, const Eigen::Vector3d& p);
 /** True if a map has seen free space at a point, m, map frame. */
 bool isFree(const MapVoxels& map, const Eigen::Vector3d& p);
 
+/** True if a map has an obstacle in a ball around a point, m, map frame. */
+bool hasObstacle(const MapVoxels& map, const Eigen::Vector3d& p, const VoxelBlocks::Ball& ball);
+
 }  // namespace mrpt::fusion

@@ -34,6 +34,7 @@ void unite(ObstacleSet& all, const ObstacleSet& more) {
 }
 void unite(ComparedObstacles& all, const ComparedObstacles& more) {
   unite(all.confirmed, more.confirmed);
+  unite(all.displaced, more.displaced);
   unite(all.contradicted, more.contradicted);
 }
 
@@ -53,8 +54,10 @@ Known knownOf(const Configuration& c, const TeamEvidence& evidence) {
 }
 
 double scoreOf(const ComparedObstacles& o, size_t map, const TeamEvidence& evidence) {
+  const ConflictTolerance tolerance = evidence.tolerance();
   return evidence.areaOfObstacle(map) *
-         (countOf(o.confirmed) - countOf(o.contradicted) / evidence.tolerance());
+         (countOf(o.confirmed) - countOf(o.displaced) / tolerance.displaced -
+          countOf(o.contradicted) / tolerance.contradicted);
 }
 
 /** Returns the increase of the score by a map. */
@@ -171,6 +174,7 @@ void settle(Configuration& c, const TeamEvidence& evidence) {
 TeamAreas areasOf(size_t k, const Configuration& c, const TeamEvidence& evidence) {
   const ComparedObstacles known = knownOf(c, evidence)[k];
   return {evidence.areaOfObstacle(k) * countOf(known.confirmed),
+          evidence.areaOfObstacle(k) * countOf(known.displaced),
           evidence.areaOfObstacle(k) * countOf(known.contradicted)};
 }
 
@@ -197,7 +201,8 @@ Configuration grownFrom(const Way& seed, const std::vector<Way>& ways, const Tea
   return c;
 }
 
-void improve(Configuration& c, const std::vector<Way>& ways, const TeamEvidence& evidence) {
+void improve(Configuration& c, const std::vector<Way>& ways, const TeamEvidence& evidence,
+             size_t most_maps) {
   constexpr double kLeastGain = 1e-6;  // share of the score
   const auto replaced = [&](const std::vector<size_t>& maps, GrowthOrder order) {
     Configuration moved = c;
@@ -211,7 +216,7 @@ void improve(Configuration& c, const std::vector<Way>& ways, const TeamEvidence&
   for (bool is_better = true; is_better;) {
     is_better = false;
     for (size_t i = 0; i < c.pose.size(); i++)
-      for (size_t j = i; j < c.pose.size(); j++)
+      for (size_t j = i; j < (most_maps > 1 ? c.pose.size() : i + 1); j++)
         for (const GrowthOrder order : {GrowthOrder::LargestGain, GrowthOrder::Clearest})
           if (c.pose[i] && c.pose[j]) is_better |= replaced({i, j}, order);
   }

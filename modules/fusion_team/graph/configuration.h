@@ -10,22 +10,23 @@
 
 namespace mrpt::fusion {
 
-/** Areas of the surfaces of a team's maps. A surface that many maps see counts once. */
+/** Areas of the surfaces of a team's maps, m^2. A surface that many maps see counts once. */
 struct TeamAreas {
-  double confirmed = 0;     ///< Area that at least one other map confirms, m^2
-  double contradicted = 0;  ///< Area in the free space of at least one other map, m^2
+  double confirmed = 0;     ///< Area that at least one other map confirms
+  double displaced = 0;     ///< Area in the free space of another map, near its obstacles
+  double contradicted = 0;  ///< Area in the free space of another map, away from its obstacles
 
   double conflictRatio() const {
-    const double known = confirmed + contradicted;
-    return known > 0 ? contradicted / known : 0;
+    const double conflicts = displaced + contradicted, known = confirmed + conflicts;
+    return known > 0 ? conflicts / known : 0;
   }
 };
 /** Returns the areas of map \a k, compared with all other placed maps. */
 TeamAreas areasOf(size_t k, const Configuration& c, const TeamEvidence& evidence);
-/** Returns the score of a configuration: the confirmed area of all placed maps less the
- * contradicted area over TeamEvidence::tolerance(). Repeated rooms let many maps lie on one
- * another; a sum over pairs would prefer that pile, because it counts each surface as often as maps
- * see it. */
+/** Returns the score of a configuration: the confirmed area of all placed maps less the displaced
+ * and the contradicted area, each over its TeamEvidence::tolerance(). Repeated rooms let many maps
+ * lie on one another; a sum over pairs would prefer that pile, because it counts each surface as
+ * often as maps see it. */
 double scoreOf(const Configuration& c, const TeamEvidence& evidence);
 
 /** Returns the configuration of the two maps of a way, in the frame of map A. */
@@ -47,8 +48,9 @@ Configuration grownFrom(const Way& seed, const std::vector<Way>& ways, const Tea
 void settle(Configuration& configuration, const TeamEvidence& evidence);
 
 /** Improves a configuration by moves: places a map elsewhere, places a missing map, takes a map
- * out. Ends when no move increases the score. */
+ * out. Ends when no move increases the score.
+ * \param[in] most_maps 1, or 2 for moves of two maps at once. */
 void improve(Configuration& configuration, const std::vector<Way>& ways,
-             const TeamEvidence& evidence);
+             const TeamEvidence& evidence, size_t most_maps);
 
 }  // namespace mrpt::fusion

@@ -131,7 +131,12 @@ std::vector<PlacedMap> judgeTeam(const TeamSearchResult& result, const std::vect
 
   const double least_probability =
       1 - params.max_risk / static_cast<double>(std::max<size_t>(n, 2) - 1);
-  const auto links = confirmedLinks(linksOf(clear, ways, evidence), n, least_probability);
+  // A map whose place is not clear closes loops of other maps at any of its places: rivals that
+  // move the other maps with it are rivals of the other maps too.
+  auto links = confirmedLinks(linksOf(result.best, ways, evidence), n, least_probability);
+  links.erase(std::remove_if(links.begin(), links.end(),
+                             [&](const Link& l) { return !clear.pose[l.a] || !clear.pose[l.b]; }),
+              links.end());
   const std::vector<bool> reached = connectedWith(0, n, links);
   setParents(0, links, maps);
   const std::optional<Isometry3d>& T_first = result.best.pose[0];

@@ -84,7 +84,6 @@ std::vector<FusionMember> placeTeam(const std::vector<RobotMap>& maps, const Opt
   std::vector<std::string> names;
   for (const RobotMap& map : maps) names.push_back(map.robot);
   JointVerdictParams params;
-  params.max_runner_up = options.evaluation.max_runner_up;
   params.max_conflict = options.evaluation.max_free_conflict;
   params.max_risk = 1 - options.evaluation.min_probability;
   const std::vector<PlacedMap> placed =

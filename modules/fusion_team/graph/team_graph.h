@@ -21,6 +21,13 @@ struct Way {
   Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();  ///< Pose of map B in A's frame
 };
 
+/** Shares of conflicts at which confirmed obstacles count nothing. Drift bends maps, so that a
+ * right configuration has displaced obstacles. It has hardly any contradicted obstacles. */
+struct ConflictTolerance {
+  double displaced;     ///< See ComparedObstacles::displaced
+  double contradicted;  ///< See ComparedObstacles::contradicted
+};
+
 /** Evidence of all pairs of a team, by the indices of both maps. Several threads may use it. */
 class TeamEvidence {
  public:
@@ -33,8 +40,8 @@ class TeamEvidence {
   virtual bool isSame(size_t b, const Eigen::Isometry3d& T, const Eigen::Isometry3d& U) const = 0;
   /** Area of each obstacle in the evidence of a map, m^2. */
   virtual double areaOfObstacle(size_t map) const = 0;
-  /** Share of conflicts at which confirmed obstacles count nothing. */
-  virtual double tolerance() const = 0;
+  /** Shares of conflicts at which confirmed obstacles count nothing. */
+  virtual ConflictTolerance tolerance() const = 0;
 };
 
 /** Poses of the maps of a team in one frame. */

@@ -13,6 +13,9 @@ namespace {
 
 using Eigen::Isometry3d;
 
+constexpr size_t kFirst = 0;         // map whose frame is that of the team
+constexpr size_t kMostImproved = 8;  // configurations that moves of two maps improve
+
 bool scoresBetter(const Configuration& g, const Configuration& h) { return g.score > h.score; }
 
 /** Returns the best way of each pair, best score first. */
@@ -31,32 +34,36 @@ std::vector<Way> bestOf(const std::vector<Way>& ways, const TeamEvidence& eviden
   return best;
 }
 
-/** Returns the maps that two configurations place differently: all maps but the largest set of maps
- * with the same poses among themselves. A map that \a other does not place is not placed
- * differently. */
-std::vector<size_t> movedMaps(const Configuration& best, const Configuration& other,
-                              const TeamEvidence& evidence) {
-  const size_t n = best.pose.size();
-  std::vector<size_t> fewest;
-  size_t most_same = 0;
-  for (size_t root = 0; root < n; root++) {
-    if (!best.pose[root] || !other.pose[root]) continue;
-    const Isometry3d T = *best.pose[root] * other.pose[root]->inverse();
-    std::vector<size_t> moved;
-    size_t same = 0;
-    for (size_t k = 0; k < n; k++) {
-      if (!best.pose[k] || !other.pose[k]) continue;
-      if (evidence.isSame(k, *best.pose[k], T * *other.pose[k]))
-        same++;
-      else
-        moved.push_back(k);
+/** Divides the maps that two configurations place into rigid groups: within a group both
+ * configurations have the same poses. The largest group comes first. */
+std::vector<std::vector<size_t>> rigidGroups(const Configuration& best, const Configuration& other,
+                                             const TeamEvidence& evidence) {
+  std::vector<size_t> open;
+  for (size_t k = 0; k < best.pose.size(); k++)
+    if (best.pose[k] && other.pose[k]) open.push_back(k);
+  std::vector<std::vector<size_t>> groups;
+  while (!open.empty()) {
+    std::vector<size_t> largest;
+    for (const size_t root : open) {
+      const Isometry3d T = *best.pose[root] * other.pose[root]->inverse();
+      std::vector<size_t> same;
+      for (const size_t k : open)
+        if (k == root || evidence.isSame(k, *best.pose[k], T * *other.pose[k])) same.push_back(k);
+      if (same.size() > largest.size()) largest = std::move(same);
     }
-    if (same > most_same) {
-      most_same = same;
-      fewest = std::move(moved);
-    }
+    for (const size_t k : largest) open.erase(std::find(open.begin(), open.end(), k));
+    groups.push_back(std::move(largest));
   }
-  return fewest;
+  return groups;
+}
+
+Configuration with(const Configuration& c, const std::vector<size_t>& maps,
+                   const TeamEvidence& evidence) {
+  Configuration some;
+  some.pose.resize(c.pose.size());
+  for (const size_t k : maps) some.pose[k] = c.pose[k];
+  some.score = scoreOf(some, evidence);
+  return some;
 }
 
 Configuration without(const Configuration& c, const std::vector<size_t>& maps,
@@ -67,16 +74,51 @@ Configuration without(const Configuration& c, const std::vector<size_t>& maps,
   return rest;
 }
 
-/** Raises the runner-up of the maps that a rival places differently. */
+/** Raises the runner-up of the maps that a rival places differently in the frame of the first map.
+ * What connects the rigid groups counts, not what the maps of a group say about each other: both
+ * configurations share it. */
 void compareWith(const Configuration& rival, const TeamEvidence& evidence,
                  TeamSearchResult& result) {
-  const std::vector<size_t> moved = movedMaps(result.best, rival, evidence);
-  if (moved.empty()) return;
-  const double gain = result.best.score - without(result.best, moved, evidence).score;
-  const double gain_of_rival = rival.score - without(rival, moved, evidence).score;
+  const auto groups = rigidGroups(result.best, rival, evidence);
+  if (groups.size() < 2) return;
+  double apart = 0, apart_of_rival = 0;
+  std::vector<size_t> moved;
+  for (size_t i = 0; i < groups.size(); i++) {
+    apart_of_rival += with(rival, groups[i], evidence).score;
+    if (i == 0) continue;
+    apart += with(result.best, groups[i], evidence).score;
+    moved.insert(moved.end(), groups[i].begin(), groups[i].end());
+  }
+  // A map that the rival does not place stays with the largest group.
+  apart += without(result.best, moved, evidence).score;
+  const double gain = result.best.score - apart;
+  const double gain_of_rival = rival.score - apart_of_rival;
   if (gain_of_rival <= 0) return;
   const double ratio = gain > 0 ? gain_of_rival / gain : 2;
-  for (const size_t k : moved) result.runner_up[k] = std::max(result.runner_up[k], ratio);
+  const auto with_first = std::find_if(groups.begin(), groups.end(), [](const auto& group) {
+    return std::find(group.begin(), group.end(), kFirst) != group.end();
+  });
+  const size_t stays = with_first == groups.end() ? 0 : size_t(with_first - groups.begin());
+  for (size_t i = 0; i < groups.size(); i++)
+    if (i != stays)
+      for (const size_t k : groups[i]) result.runner_up[k] = std::max(result.runner_up[k], ratio);
+}
+
+bool isSame(const Configuration& c, const Configuration& d, const TeamEvidence& evidence) {
+  for (size_t k = 0; k < c.pose.size(); k++)
+    if (c.pose[k].has_value() != d.pose[k].has_value()) return false;
+  return rigidGroups(c, d, evidence).size() == 1;
+}
+
+/** Sorts configurations, best score first, and keeps the best of each that are the same. */
+void keepDistinct(std::vector<Configuration>& configurations, const TeamEvidence& evidence) {
+  std::stable_sort(configurations.begin(), configurations.end(), scoresBetter);
+  std::vector<Configuration> distinct;
+  for (Configuration& c : configurations)
+    if (std::none_of(distinct.begin(), distinct.end(),
+                     [&](const Configuration& d) { return isSame(c, d, evidence); }))
+      distinct.push_back(std::move(c));
+  configurations = std::move(distinct);
 }
 
 /** Compares the best configuration with other places of a block of maps that keeps its shape. */
@@ -122,13 +164,12 @@ TeamSearchResult searchTeam(const std::vector<Way>& ways, const TeamEvidence& ev
       grown.push_back(grownFrom(seed, ways, evidence, order));
       settle(grown.back(), evidence);
     }
-  std::stable_sort(grown.begin(), grown.end(), scoresBetter);
-  constexpr size_t kMostImproved = 8;
+  keepDistinct(grown, evidence);
+  for (Configuration& c : grown) improve(c, ways, evidence, 1);
+  keepDistinct(grown, evidence);
   for (size_t i = 0; i < std::min(kMostImproved, grown.size()); i++) {
-    Configuration c = grown[i];
-    improve(c, ways, evidence);
-    settle(c, evidence);
-    grown.push_back(std::move(c));
+    improve(grown[i], ways, evidence, 2);
+    settle(grown[i], evidence);
   }
   result.best = *std::min_element(grown.begin(), grown.end(), scoresBetter);
 

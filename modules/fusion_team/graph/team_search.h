@@ -13,17 +13,17 @@ namespace mrpt::fusion {
 /** The best configuration of a team, and how clear it is. */
 struct TeamSearchResult {
   Configuration best;  ///< The configuration with the largest score
-  /** For each placed map: largest score that the map, or a block of maps with it, gains at another
-   * place, over what it gains at its place. 0 without a rival; above 1 if a rival is better. */
+  /** For each placed map: the best rival that places it elsewhere in the frame of the first map.
+   * The value is the score that connects the rival's groups of maps over the score that connects
+   * the same groups in the best configuration. 0 without a rival; above 1 if a rival is better. */
   std::vector<double> runner_up;
 };
 
-/** Searches the best configuration: grows configurations from the best ways, improves the best of
- * them by moves, and compares the result with all others and with other places of each map and each
- * linked pair of maps.
- * \param[in] ways Hypotheses of all pairs.
- * \param[in] evidence Evidence of all pairs.
- * \param[in] most_starts Largest number of ways from which configurations grow. */
+/** Searches the best configuration: grows configurations from the best ways, improves all that
+ * differ by moves of one map and the best of them by moves of two maps. Compares the result with
+ * all others and with other places of each map and each linked pair of maps. \param[in] ways
+ * Hypotheses of all pairs. \param[in] evidence Evidence of all pairs. \param[in] most_starts
+ * Largest number of ways from which configurations grow. */
 TeamSearchResult searchTeam(const std::vector<Way>& ways, const TeamEvidence& evidence,
                             size_t most_starts);
 

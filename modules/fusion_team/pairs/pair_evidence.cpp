@@ -15,8 +15,13 @@ namespace {
 /** Largest motion of a pose to the refined pose, share of the tolerance of a right pose. With more,
  * each pair of a pile of maps would find a pose of its own. */
 constexpr double kSlack = 0.2;
+/** Contradicted obstacles over confirmed obstacles at which no refinement helps. */
+constexpr double kHopeless = 0.05;
 /** Largest difference of two poses that share their evidence, share of the tolerance. */
 constexpr double kSameQuestion = 0.1;
+/** Largest distance of a displaced obstacle from an obstacle of the other map, share of the
+ * tolerance of a right pose. Drift bends maps by so much. */
+constexpr double kDisplacement = 0.7;
 
 Eigen::AlignedBox3d boxOf(const MapFeatures& map) {
   Eigen::AlignedBox3d box;
@@ -24,16 +29,24 @@ Eigen::AlignedBox3d boxOf(const MapFeatures& map) {
   return box;
 }
 
-ComparedObstacles compared(const MapFeatures& map, const Obstacles& obstacles, double resolution,
+/** Compares the obstacles of a map with another map.
+ * \param[in] map The other map.
+ * \param[in] near Obstacles that are so near are displaced.
+ * \param[in] obstacles Obstacles of a map with voxels of size \a resolution, m.
+ * \param[in] T Pose of the map of the obstacles in the frame of \a map. */
+ComparedObstacles compared(const MapFeatures& map, const VoxelBlocks::Ball& near,
+                           const Obstacles& obstacles, double resolution,
                            const Eigen::Isometry3d& T, const AgreementParams& params) {
   const double before = params.front_voxels * std::max(resolution, map.voxels.resolution);
   const size_t words = (obstacles.centre.size() + 63) / 64;
-  ComparedObstacles result{ObstacleSet(words), ObstacleSet(words)};
+  ComparedObstacles result{ObstacleSet(words), ObstacleSet(words), ObstacleSet(words)};
   for (size_t i = 0; i < obstacles.centre.size(); i++) {
     const ObstacleCheck check = checkFromSameSide(map, obstacles, i, before, T);
     const uint64_t bit = uint64_t{1} << (i % 64);
     if (check == ObstacleCheck::Confirmed) result.confirmed[i / 64] |= bit;
-    if (check == ObstacleCheck::Conflicting) result.contradicted[i / 64] |= bit;
+    if (check != ObstacleCheck::Conflicting) continue;
+    const bool is_near = hasObstacle(map, T * obstacles.centre[i].cast<double>(), near);
+    (is_near ? result.displaced : result.contradicted)[i / 64] |= bit;
   }
   return result;
 }
@@ -43,7 +56,8 @@ ComparedObstacles compared(const MapFeatures& map, const Obstacles& obstacles, d
 double scoreOf(const PairEvidence& e, double tolerance) {
   const auto n = [](const ObstacleSet& a, const ObstacleSet& b) { return countOf(a) + countOf(b); };
   return n(e.of_a.confirmed, e.of_b.confirmed) -
-         n(e.of_a.contradicted, e.of_b.contradicted) / tolerance;
+         (n(e.of_a.displaced, e.of_b.displaced) + n(e.of_a.contradicted, e.of_b.contradicted)) /
+             tolerance;
 }
 
 }  // namespace
@@ -57,10 +71,19 @@ double countOf(const ObstacleSet& set) {
 struct EvidenceOfPair::Comparison {
   Comparison(const MapFeatures& a, const MapFeatures& b, const Options& options)
       : association(associationOf(a, b, options.registration)),
-        by_many(a, b, association, comparisonOf(options), options.ranking.many_voxels) {}
+        by_many(a, b, association, comparisonOf(options), options.ranking.many_voxels),
+        near_in_a(ballIn(a, options)),
+        near_in_b(ballIn(b, options)) {}
+
+  static VoxelBlocks::Ball ballIn(const MapFeatures& map, const Options& options) {
+    constexpr double kLeast = 2;  // voxels; a nearer obstacle is no conflict
+    const double radius = kDisplacement * options.evaluation.tolerance.translation;
+    return VoxelBlocks::Ball(std::max(kLeast, radius / map.voxels.resolution));
+  }
 
   VoxelAssociation association;
   PoseComparison by_many;
+  VoxelBlocks::Ball near_in_a, near_in_b;  // places of displaced obstacles
 };
 
 EvidenceOfPair::EvidenceOfPair(const PreparedMap& a, const PreparedMap& b, const Options& options)
@@ -89,27 +112,44 @@ PairEvidence EvidenceOfPair::at(const Eigen::Isometry3d& T_a_b) const {
   const MapFeatures &a = a_.features(), &b = b_.features();
   const AgreementParams& params = options_.ranking.agreement;
   const PoseComparison& c = comparison_->by_many;
-  return {T_a_b, compared(b, c.obstaclesOfA(), a.voxels.resolution, T_a_b.inverse(), params),
-          compared(a, c.obstaclesOfB(), b.voxels.resolution, T_a_b, params)};
+  return {
+      T_a_b,
+      compared(b, comparison_->near_in_b, c.obstaclesOfA(), a.voxels.resolution, T_a_b.inverse(),
+               params),
+      compared(a, comparison_->near_in_a, c.obstaclesOfB(), b.voxels.resolution, T_a_b, params)};
 }
 
-PairEvidence EvidenceOfPair::computed(const Eigen::Isometry3d& T_a_b) {
+bool EvidenceOfPair::answers(const Known& known, const Eigen::Isometry3d& T_a_b) const {
+  const double factor = known.is_refined ? kSlack : kSameQuestion;
+  const double most = factor * options_.evaluation.tolerance.translation;
+  return (T_a_b * middle_b_ - known.middle).squaredNorm() <= most * most &&  // cheap
+         isSame(T_a_b, known.evidence.T_a_b, factor);
+}
+
+EvidenceOfPair::Known EvidenceOfPair::computed(const Eigen::Isometry3d& T_a_b) {
   if (!comparison_)
     comparison_ = std::make_unique<Comparison>(a_.features(), b_.features(), options_);
   PairEvidence here = at(T_a_b);
-  if (countOf(here.of_a.confirmed) + countOf(here.of_b.confirmed) == 0) return here;
+  const double confirmed = countOf(here.of_a.confirmed) + countOf(here.of_b.confirmed);
+  const double contradicted = countOf(here.of_a.contradicted) + countOf(here.of_b.contradicted);
+  const Known as_asked{T_a_b * middle_b_, false, std::move(here)};
+  if (contradicted >= kHopeless * confirmed) return as_asked;
   const Eigen::Isometry3d refined = comparison_->by_many.refined(T_a_b).T_a_b;
-  if (!isSame(T_a_b, refined, kSlack)) return here;
+  if (!isSame(T_a_b, refined, kSlack)) return as_asked;
   PairEvidence there = at(refined);
   const double tolerance = options_.ranking.agreement.tolerance;
-  return scoreOf(there, tolerance) > scoreOf(here, tolerance) ? there : here;
+  if (scoreOf(there, tolerance) <= scoreOf(as_asked.evidence, tolerance)) return as_asked;
+  return {refined * middle_b_, true, std::move(there)};
 }
 
 const PairEvidence& EvidenceOfPair::near(const Eigen::Isometry3d& T_a_b) {
   const std::lock_guard<std::mutex> lock(mutex_);
   for (const Known& known : known_)
-    if (isSame(known.asked, T_a_b, kSameQuestion)) return known.evidence;
-  known_.push_back({T_a_b, mayMeet(T_a_b) ? computed(T_a_b) : PairEvidence{T_a_b, {}, {}}});
+    if (answers(known, T_a_b)) return known.evidence;
+  if (mayMeet(T_a_b))
+    known_.push_back(computed(T_a_b));
+  else
+    known_.push_back({T_a_b * middle_b_, false, {T_a_b, {}, {}}});
   return known_.back().evidence;
 }
 

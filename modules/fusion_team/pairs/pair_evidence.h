@@ -24,7 +24,8 @@ double countOf(const ObstacleSet& set);
 /** Obstacles of one map of a pair, compared with the other map. */
 struct ComparedObstacles {
   ObstacleSet confirmed;     ///< Obstacles that the other map confirms
-  ObstacleSet contradicted;  ///< Obstacles in the other map's free space
+  ObstacleSet displaced;     ///< Obstacles in the other map's free space, near its obstacles
+  ObstacleSet contradicted;  ///< Obstacles in the other map's free space, away from its obstacles
 };
 
 /** Evidence of a pair of maps at a pose. */
@@ -52,19 +53,21 @@ class EvidenceOfPair {
 
  private:
   struct Comparison;
+  struct Known {
+    Eigen::Vector3d middle;  // middle of B at the pose of the evidence, m
+    bool is_refined;         // the evidence is that of the refined pose
+    PairEvidence evidence;
+  };
   bool mayMeet(const Eigen::Isometry3d& T_a_b) const;
+  bool answers(const Known& known, const Eigen::Isometry3d& T_a_b) const;
   PairEvidence at(const Eigen::Isometry3d& T_a_b) const;
-  PairEvidence computed(const Eigen::Isometry3d& T_a_b);
+  Known computed(const Eigen::Isometry3d& T_a_b);
 
   PreparedMap a_, b_;
   Options options_;
   Eigen::AlignedBox3d box_a_, box_b_;
   Eigen::Vector3d middle_b_;
   std::unique_ptr<Comparison> comparison_;
-  struct Known {
-    Eigen::Isometry3d asked;
-    PairEvidence evidence;
-  };
   std::deque<Known> known_;
   std::mutex mutex_;
 };

@@ -38,12 +38,11 @@ class EvidenceOfMaps : public TeamEvidence {
   const PairEvidence& near(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const override;
   bool isSame(size_t b, const Eigen::Isometry3d& T, const Eigen::Isometry3d& U) const override;
   double areaOfObstacle(size_t map) const override { return area_of_obstacle_[map]; }
-  double tolerance() const override { return kTolerance; }
+  ConflictTolerance tolerance() const override { return kTolerance; }
 
  private:
-  /** A right configuration has less than half of this share of conflicts, see
-   * doc/decisions/037-team.md. */
-  static constexpr double kTolerance = 0.03;
+  /** A right configuration has less than half of these shares, see doc/decisions/037-team.md. */
+  static constexpr ConflictTolerance kTolerance{0.03, 0.01};
   const std::vector<RobotMap>& maps_;
   std::vector<double> area_of_obstacle_;
   std::vector<std::vector<std::unique_ptr<EvidenceOfPair>>> pairs_;  // by a and b - a - 1

@@ -43,11 +43,11 @@ class Square : public TeamEvidence {
     return (T.translation() - U.translation()).norm() < 0.6;
   }
   double areaOfObstacle(size_t) const override { return 1; }
-  double tolerance() const override { return 0.03; }
+  ConflictTolerance tolerance() const override { return {0.03, 0.01}; }
   const PairEvidence& near(size_t a, size_t b, const Isometry3d& T) const override {
     static const PairEvidence none{},
-        right{{}, {{0xffffffffU << (a % 2 * 16)}, {0}}, {{0xffffffffU}, {0}}},
-        wrong{{}, {{0xffffffffU}, {0xffff00000000U}}, {{0xffffffffU}, {0}}};
+        right{{}, {{0xffffffffU << (a % 2 * 16)}, {0}, {0}}, {{0xffffffffU}, {0}, {0}}},
+        wrong{{}, {{0xffffffffU}, {0}, {0xffff00000000U}}, {{0xffffffffU}, {0}, {0}}};
     if (T.translation().norm() > 12) return none;
     if (!areNeighbours(a, b)) return wrong;
     return isSame(b, T, truth(a, b)) ? right : wrong;
@@ -125,12 +125,24 @@ TEST(JointVerdict, TwoHypothesesOfAPairAreOneWitness) {
   EXPECT_EQ(numberOf(placed(ways, 0.9)), 1U);
 }
 
-TEST(JointVerdict, AMapWithARivalIsNotPlacedAndOpensItsLoop) {
-  const auto maps = placed(waysAround(4), 0.3, 0.8);
-  EXPECT_EQ(numberOf(maps), 1U);
+TEST(JointVerdict, AMapWithARivalIsNotPlacedButClosesTheLoopOfTheOthers) {
+  const auto maps = placed(waysAround(4), 0.3, 0.95);
+  EXPECT_EQ(numberOf(maps), 3U);
+  EXPECT_FALSE(maps[2].placed);
   ASSERT_FALSE(maps[2].reasons.empty());
-  EXPECT_NE(maps[2].reasons[0].find("another place gains 80 %"), std::string::npos)
+  EXPECT_NE(maps[2].reasons[0].find("another place gains 95 %"), std::string::npos)
       << maps[2].reasons[0];
+}
+
+TEST(TeamScore, DisplacedObstaclesCountLessThanContradicted) {
+  const Square square;
+  Configuration c;
+  c.pose = {at(0, 0), std::nullopt, at(3, 1), std::nullopt};  // see wrong in Square::near()
+  const TeamAreas areas = areasOf(0, c, square);
+  EXPECT_EQ(areas.confirmed, 32);
+  EXPECT_EQ(areas.displaced, 0);
+  EXPECT_EQ(areas.contradicted, 16);
+  EXPECT_NEAR(scoreOf(c, square), 64 - 16 / 0.01, 1e-9);
 }
 
 TEST(PoseGraph, SpreadsTheErrorOfALoop) {
