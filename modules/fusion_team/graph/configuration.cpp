@@ -156,19 +156,23 @@ void grow(Configuration& c, const std::vector<Way>& ways, const TeamEvidence& ev
 }  // namespace
 
 void settle(Configuration& c, const TeamEvidence& evidence) {
-  std::vector<PoseConstraint> constraints;
-  for (size_t i = 0; i < c.pose.size(); i++)
-    for (size_t j = i + 1; j < c.pose.size(); j++) {
-      if (!c.pose[i] || !c.pose[j]) continue;
-      const PairEvidence& e = evidence.near(i, j, c.pose[i]->inverse() * *c.pose[j]);
-      const double confirmed = countOf(e.of_a.confirmed) + countOf(e.of_b.confirmed);
-      constexpr double kLeastConfirmed = 100;  // a pair with fewer obstacles fixes no pose
-      if (confirmed >= kLeastConfirmed) constraints.push_back({i, j, e.T_a_b});
-    }
-  Configuration settled = c;
-  optimizePoses(constraints, settled.pose);
-  settled.score = scoreOf(settled, evidence);
-  if (settled.score > c.score) c = std::move(settled);
+  constexpr size_t kMostRounds = 4;        // the evidence changes with the poses
+  constexpr double kLeastConfirmed = 100;  // a pair with fewer obstacles fixes no pose
+  for (size_t round = 0; round < kMostRounds; round++) {
+    std::vector<PoseConstraint> constraints;
+    for (size_t i = 0; i < c.pose.size(); i++)
+      for (size_t j = i + 1; j < c.pose.size(); j++) {
+        if (!c.pose[i] || !c.pose[j]) continue;
+        const PairEvidence& e = evidence.near(i, j, c.pose[i]->inverse() * *c.pose[j]);
+        const double confirmed = countOf(e.of_a.confirmed) + countOf(e.of_b.confirmed);
+        if (confirmed >= kLeastConfirmed) constraints.push_back({i, j, e.registered});
+      }
+    Configuration settled = c;
+    optimizePoses(constraints, settled.pose);
+    settled.score = scoreOf(settled, evidence);
+    if (settled.score <= c.score) return;
+    c = std::move(settled);
+  }
 }
 
 TeamAreas areasOf(size_t k, const Configuration& c, const TeamEvidence& evidence) {

@@ -20,7 +20,7 @@ namespace {
 /** Hypotheses of each match that may be part of a configuration. */
 constexpr size_t kMostHypotheses = 12;
 /** Configurations that the search grows, for each map. */
-constexpr size_t kStartsPerMap = 4;
+constexpr size_t kStartsPerMap = 3;
 
 /** Returns the hypotheses of all matches that the maps do not contradict. */
 std::vector<Way> waysOf(const std::vector<PairMatch>& matches, const TeamEvidence& evidence) {
@@ -76,7 +76,8 @@ std::vector<FusionMember> placeTeam(const std::vector<RobotMap>& maps, const Opt
   const std::vector<PairMatch> matches = matchPairs(maps, options, executor, on_member);
 
   // 2. Graph: the poses at which all pairs agree best, and their rivals.
-  const EvidenceOfMaps evidence(maps, options);
+  EvidenceOfMaps evidence(maps, options);
+  evidence.adaptTolerance(matches);
   const std::vector<Way> ways = waysOf(matches, evidence);
   const TeamSearchResult found = searchTeam(ways, evidence, kStartsPerMap * maps.size());
 

@@ -13,8 +13,9 @@ namespace {
 
 using Eigen::Isometry3d;
 
-constexpr size_t kFirst = 0;         // map whose frame is that of the team
-constexpr size_t kMostImproved = 8;  // configurations that moves of two maps improve
+constexpr size_t kFirst = 0;            // map whose frame is that of the team
+constexpr size_t kMostImproved = 16;    // configurations that moves of two maps improve
+constexpr double kWorthSettling = 0.8;  // least share of the best score, of a rival
 
 bool scoresBetter(const Configuration& g, const Configuration& h) { return g.score > h.score; }
 
@@ -145,6 +146,7 @@ void compareWithOtherPlaces(const std::vector<size_t>& block, const std::vector<
     Configuration rival = rest;
     for (const size_t k : block) rival.pose[k] = motion * *result.best.pose[k];
     rival.score = scoreOf(rival, evidence);
+    if (rival.score > kWorthSettling * result.best.score) settle(rival, evidence);
     compareWith(rival, evidence, result);
   }
 }
@@ -160,14 +162,13 @@ TeamSearchResult searchTeam(const std::vector<Way>& ways, const TeamEvidence& ev
 
   std::vector<Configuration> grown;
   for (const Way& seed : bestOf(ways, evidence, most_starts))
-    for (const GrowthOrder order : {GrowthOrder::LargestGain, GrowthOrder::Clearest}) {
+    for (const GrowthOrder order : {GrowthOrder::LargestGain, GrowthOrder::Clearest})
       grown.push_back(grownFrom(seed, ways, evidence, order));
-      settle(grown.back(), evidence);
-    }
   keepDistinct(grown, evidence);
   for (Configuration& c : grown) improve(c, ways, evidence, 1);
   keepDistinct(grown, evidence);
   for (size_t i = 0; i < std::min(kMostImproved, grown.size()); i++) {
+    settle(grown[i], evidence);
     improve(grown[i], ways, evidence, 2);
     settle(grown[i], evidence);
   }

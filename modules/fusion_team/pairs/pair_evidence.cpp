@@ -16,7 +16,7 @@ namespace {
  * each pair of a pile of maps would find a pose of its own. */
 constexpr double kSlack = 0.2;
 /** Contradicted obstacles over confirmed obstacles at which no refinement helps. */
-constexpr double kHopeless = 0.05;
+constexpr double kHopeless = 0.1;
 /** Largest difference of two poses that share their evidence, share of the tolerance. */
 constexpr double kSameQuestion = 0.1;
 /** Largest distance of a displaced obstacle from an obstacle of the other map, share of the
@@ -113,7 +113,7 @@ PairEvidence EvidenceOfPair::at(const Eigen::Isometry3d& T_a_b) const {
   const AgreementParams& params = options_.ranking.agreement;
   const PoseComparison& c = comparison_->by_many;
   return {
-      T_a_b,
+      T_a_b, T_a_b,
       compared(b, comparison_->near_in_b, c.obstaclesOfA(), a.voxels.resolution, T_a_b.inverse(),
                params),
       compared(a, comparison_->near_in_a, c.obstaclesOfB(), b.voxels.resolution, T_a_b, params)};
@@ -132,9 +132,10 @@ EvidenceOfPair::Known EvidenceOfPair::computed(const Eigen::Isometry3d& T_a_b) {
   PairEvidence here = at(T_a_b);
   const double confirmed = countOf(here.of_a.confirmed) + countOf(here.of_b.confirmed);
   const double contradicted = countOf(here.of_a.contradicted) + countOf(here.of_b.contradicted);
-  const Known as_asked{T_a_b * middle_b_, false, std::move(here)};
+  Known as_asked{T_a_b * middle_b_, false, std::move(here)};
   if (contradicted >= kHopeless * confirmed) return as_asked;
   const Eigen::Isometry3d refined = comparison_->by_many.refined(T_a_b).T_a_b;
+  if (isSame(T_a_b, refined)) as_asked.evidence.registered = refined;
   if (!isSame(T_a_b, refined, kSlack)) return as_asked;
   PairEvidence there = at(refined);
   const double tolerance = options_.ranking.agreement.tolerance;
@@ -149,7 +150,7 @@ const PairEvidence& EvidenceOfPair::near(const Eigen::Isometry3d& T_a_b) {
   if (mayMeet(T_a_b))
     known_.push_back(computed(T_a_b));
   else
-    known_.push_back({T_a_b * middle_b_, false, {T_a_b, {}, {}}});
+    known_.push_back({T_a_b * middle_b_, false, {T_a_b, T_a_b, {}, {}}});
   return known_.back().evidence;
 }
 

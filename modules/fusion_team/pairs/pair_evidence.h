@@ -30,9 +30,11 @@ struct ComparedObstacles {
 
 /** Evidence of a pair of maps at a pose. */
 struct PairEvidence {
-  Eigen::Isometry3d T_a_b;  ///< Pose of map B in A's frame, refined
-  ComparedObstacles of_a;   ///< Obstacles of A; empty sets if the maps do not meet
-  ComparedObstacles of_b;   ///< Obstacles of B; empty sets if the maps do not meet
+  Eigen::Isometry3d T_a_b;  ///< Pose of map B in A's frame, refined by at most some voxels
+  /** Pose to which the registration moves B; T_a_b if this is not the same place any more. */
+  Eigen::Isometry3d registered;
+  ComparedObstacles of_a;  ///< Obstacles of A; empty sets if the maps do not meet
+  ComparedObstacles of_b;  ///< Obstacles of B; empty sets if the maps do not meet
 };
 
 /** The evidence of a pair of maps at any pose. It remembers the poses that it was asked for.

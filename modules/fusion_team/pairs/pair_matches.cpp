@@ -38,6 +38,19 @@ std::vector<PairMatch> matchPairs(const std::vector<RobotMap>& maps, const Optio
   return matches;
 }
 
+namespace {
+
+/** Returns the value that a share of the values exceeds; 0 without values. */
+double exceededBy(double share, std::vector<double> values) {
+  if (values.empty()) return 0;
+  const double rank = (1 - share) * static_cast<double>(values.size());
+  const auto value = values.begin() + static_cast<std::ptrdiff_t>(rank);
+  std::nth_element(values.begin(), value, values.end());
+  return *value;
+}
+
+}  // namespace
+
 EvidenceOfMaps::EvidenceOfMaps(const std::vector<RobotMap>& maps, const Options& options)
     : maps_(maps), pairs_(maps.size()) {
   double scale = 0;
@@ -55,6 +68,27 @@ EvidenceOfMaps::EvidenceOfMaps(const std::vector<RobotMap>& maps, const Options&
   }
   tolerance_ = options.evaluation.tolerance;
   tolerance_.translation *= scale;
+}
+
+void EvidenceOfMaps::adaptTolerance(const std::vector<PairMatch>& matches) {
+  constexpr double kFactor =
+      3;  // an obstacle has a conflict if any map has it: more than in a pair
+  constexpr double kClear = 0.5;  // a wrong match that was accepted has a strong rival
+  std::vector<double> displaced, contradicted;  // shares
+  for (const PairMatch& m : matches) {
+    const Evaluation& verdict = m.alignment.evaluation;
+    if (!verdict.accepted || verdict.runner_up > kClear) continue;
+    const PairEvidence& e = near(m.a, m.b, m.alignment.match.T_a_b);
+    const double d = countOf(e.of_a.displaced) + countOf(e.of_b.displaced);
+    const double c = countOf(e.of_a.contradicted) + countOf(e.of_b.contradicted);
+    const double known = countOf(e.of_a.confirmed) + countOf(e.of_b.confirmed) + d + c;
+    if (known == 0) continue;
+    displaced.push_back(d / known);
+    contradicted.push_back(c / known);
+  }
+  conflict_tolerance_ = {
+      std::max(kLeastTolerance.displaced, kFactor * exceededBy(0.5, displaced)),
+      std::max(kLeastTolerance.contradicted, kFactor * exceededBy(0.1, contradicted))};
 }
 
 const PairEvidence& EvidenceOfMaps::near(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const {

@@ -38,16 +38,22 @@ class EvidenceOfMaps : public TeamEvidence {
   const PairEvidence& near(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const override;
   bool isSame(size_t b, const Eigen::Isometry3d& T, const Eigen::Isometry3d& U) const override;
   double areaOfObstacle(size_t map) const override { return area_of_obstacle_[map]; }
-  ConflictTolerance tolerance() const override { return kTolerance; }
+  ConflictTolerance tolerance() const override { return conflict_tolerance_; }
+  /** Sets the tolerance to a multiple of the shares of conflicts of the clear matches, at least to
+   * the tolerance of a place where nothing moves. People who walk are obstacles in one map and free
+   * space in another. */
+  void adaptTolerance(const std::vector<PairMatch>& matches);
 
  private:
-  /** A right configuration has less than half of these shares, see doc/decisions/037-team.md. */
-  static constexpr ConflictTolerance kTolerance{0.03, 0.01};
+  /** Where nothing moves, a right configuration has less than half of these shares of conflicts,
+   * see doc/decisions/037-team.md. */
+  static constexpr ConflictTolerance kLeastTolerance{0.03, 0.01};
   const std::vector<RobotMap>& maps_;
   std::vector<double> area_of_obstacle_;
   std::vector<std::vector<std::unique_ptr<EvidenceOfPair>>> pairs_;  // by a and b - a - 1
   std::vector<Eigen::Vector3d> middle_;
   PoseTolerance tolerance_;
+  ConflictTolerance conflict_tolerance_ = kLeastTolerance;
 };
 
 }  // namespace mrpt::fusion
