@@ -46,8 +46,8 @@ class Square : public TeamEvidence {
   ConflictTolerance tolerance() const override { return {0.03, 0.01}; }
   const PairEvidence& near(size_t a, size_t b, const Isometry3d& T) const override {
     static const PairEvidence none{},
-        right{{}, {{0xffffffffU << (a % 2 * 16)}, {0}, {0}}, {{0xffffffffU}, {0}, {0}}},
-        wrong{{}, {{0xffffffffU}, {0}, {0xffff00000000U}}, {{0xffffffffU}, {0}, {0}}};
+        right{{}, {}, {{0xffffffffU << (a % 2 * 16)}, {0}, {0}}, {{0xffffffffU}, {0}, {0}}},
+        wrong{{}, {}, {{0xffffffffU}, {0}, {0xffff00000000U}}, {{0xffffffffU}, {0}, {0}}};
     if (T.translation().norm() > 12) return none;
     if (!areNeighbours(a, b)) return wrong;
     return isSame(b, T, truth(a, b)) ? right : wrong;
