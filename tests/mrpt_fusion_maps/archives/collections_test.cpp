@@ -23,10 +23,17 @@ using mrpt::poses::CPose3D;
 
 namespace {
 
+/** Returns an observation with a time stamp that is always the same. */
+CObservationOdometry::Ptr odometry() {
+  auto odometry = CObservationOdometry::Create();
+  odometry->timestamp = mrpt::Clock::fromDouble(1.6e9);
+  return odometry;
+}
+
 CSensoryFrame frame() {
   CSensoryFrame frame;
-  frame.insert(CObservationOdometry::Create());
-  frame.insert(CObservationOdometry::Create());
+  frame.insert(odometry());
+  frame.insert(odometry());
   return frame;
 }
 
@@ -76,12 +83,11 @@ TEST(Collections, AreReadAsMrptWritesThem) {
 TEST(Collections, TakeNoMemoryForObjectsThatTheStreamOnlyClaims) {
   constexpr uint32_t kClaimed = 1U << 26U;  // entries have 16 bytes or more
   constexpr int64_t kMostMemory = int64_t{256} << 20U;
-  const std::string odometry = serialized(CObservationOdometry());
   const TempDir dir;
   const int64_t before = mostMemory();
   for (const auto& bytes : collections()) {
     const std::string hostile = claiming(kClaimed, bytes);
-    const std::string held = replaced(serialized(frame()), odometry, hostile);
+    const std::string held = replaced(serialized(frame()), serialized(*odometry()), hostile);
     EXPECT_NE(errorOf([&] { deserialized(hostile); }), "");
     EXPECT_NE(errorOf([&] { deserialized(held); }), "");
     for (const auto& file : {hostile, held}) {
@@ -123,7 +129,7 @@ TEST(Collections, AnObjectAmongActionsThatIsNoActionIsAnError) {
   const auto bytes = collections().back();
   const std::string movement =
       bytes.substr(headerSize(bytes) + 4, bytes.size() - 5 - headerSize(bytes));
-  const std::string wrong = replaced(bytes, movement, serialized(CObservationOdometry()));
+  const std::string wrong = replaced(bytes, movement, serialized(*odometry()));
   const std::string error = errorOf([&] { deserialized(wrong); });
   EXPECT_NE(error.find("no action"), std::string::npos) << error;
 }
