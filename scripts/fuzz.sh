@@ -21,7 +21,7 @@ mkdir -p "$faults"
 
 run() { # TARGET
   local corpus=build/fuzz/corpus/$1 log=build/fuzz/$1.log known=tests/fuzz/regressions/$1
-  "$bin/fuzz_replay" --seeds "$1" "$corpus"
+  "$bin/fuzz_replay" --seeds "$1" "$corpus" >"$log" 2>&1 || { cat "$log"; return 1; }
   if [ ! -d "$known" ]; then known=; fi
   # A hang is an input that takes longer than 30 s with sanitizers on a busy machine.
   if "$bin/$1_fuzzer" "$corpus" $known -max_total_time="$seconds" -seed="${SEED:-0}" -timeout=30 \

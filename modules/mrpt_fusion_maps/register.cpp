@@ -8,12 +8,12 @@
 #include <mrpt/obs/CObservationLocalMap.h>
 #include <mrpt/rtti/CObject.h>
 
-#include "mrpt_fusion_maps/archives/guarded_sets.h"
+#include "mrpt_fusion_maps/archives/guarded_collections.h"
 
 /** Registers the classes in MRPT when the library is loaded, as a linked library or as a plugin. */
 MRPT_INITIALIZER(registerFusionMaps) {
   mrpt::rtti::registerClass(CLASS_ID(mrpt::maps::CEdgeVoxelMap));
   mrpt::rtti::registerClass(CLASS_ID(mrpt::maps::CProbOctoMap));
   mrpt::rtti::registerClass(CLASS_ID(mrpt::obs::CObservationLocalMap));
-  mrpt::fusion::guardSetsOfMaps();
+  mrpt::fusion::guardCollections();
 }
