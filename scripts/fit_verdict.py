@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """fit_verdict.py CSV... [--output FILE.ini] [--version N]: fits the verdict's model.
 
-Reads the table "verdicts" of the benchmark (build/benchmark/csv/verdicts/*.csv): matches of right and
-wrong poses with their evidence. Fits the logistic regression of VerdictModel (mrpt/fusion/evaluation.h)
+Reads the table "kinds" of the benchmark (fusion-benchmark kinds): matches of maps of all kinds, at right and
+wrong poses, with their evidence. Fits the logistic regression of VerdictModel (mrpt/fusion/evaluation.h)
 and prints its coefficients beside those of share/mrpt_fusion/config_files/verdict_model.ini, with the
-log-loss and the number of wrong verdicts of both. The loss of the fit is cross-validated by data set:
-each data set is judged by a fit on the others. --output writes the fit as an .ini file.
+log-loss and the number of wrong verdicts of both, in total and for each kind. The fit is cross-validated
+by building: the data sets of each building are judged by a fit on all others. A building is the name of
+a data set up to its last "_". --output writes the fit as an .ini file.
 """
 import argparse
 import configparser
@@ -28,6 +29,7 @@ COMMENTS = {
 }
 MIN_OVERLAP = 1e-3
 MAX_RUNNER_UP = 1.0  # a rival that agrees better than the pose is no stronger evidence
+MIN_RIVAL_SUPPORT = 0.05  # a rival that confirms less counts less
 TOLERANCE_M, TOLERANCE_DEG = 0.6, 6  # a pose is right within both
 MIN_PROBABILITY = 0.85  # of an accepted match
 MODEL = Path(__file__).resolve().parent.parent / "share/mrpt_fusion/config_files/verdict_model.ini"
@@ -36,24 +38,36 @@ MODEL = Path(__file__).resolve().parent.parent / "share/mrpt_fusion/config_files
 RIDGE = 0.1
 
 
+def rival_weight(row):
+    """As Evaluation::rival_weight, at most 1."""
+    runner_up = float(row["runner_up"])
+    if runner_up > 1:
+        return MAX_RUNNER_UP
+    return runner_up * min(float(row["rival_support"]) / MIN_RIVAL_SUPPORT, 1)
+
+
+def building_of(dataset):
+    return dataset.rpartition("_")[0] or dataset
+
+
 def read(paths):
-    """Evidence (n x 5), whether each pose is right (n), data set of each (n)."""
-    evidence, right, names = [], [], []
+    """Evidence (n x 5), whether each pose is right (n), building and kind of each (n)."""
+    evidence, right, buildings, kinds = [], [], [], []
     for path in paths:
         with open(path, newline="", encoding="utf-8") as file:
             for row in csv.DictReader(file):
-                if "inlier_ratio" not in row:
-                    sys.exit(f"{path}: has no column inlier_ratio: run the benchmark again")
+                if "rival_support" not in row:
+                    sys.exit(f"{path}: has no column rival_support: run fusion-benchmark kinds")
                 evidence.append([1, np.log(max(float(row["matched_overlap"]), MIN_OVERLAP)),
-                                 float(row["conflict_ratio"]),
-                                 min(float(row["runner_up"]), MAX_RUNNER_UP),
+                                 float(row["conflict_ratio"]), rival_weight(row),
                                  float(row["inlier_ratio"])])
-                right.append(float(row["error_m"]) <= TOLERANCE_M and
+                right.append(float(row["error_m"]) <= TOLERANCE_M * float(row["scale"]) and
                              float(row["error_deg"]) <= TOLERANCE_DEG)
-                names.append(row["dataset"])
+                buildings.append(building_of(row["dataset"]))
+                kinds.append(row["kind"])
     if not any(right) or all(right):
         sys.exit("the tables hold no right pose, or no wrong pose: there is nothing to fit")
-    return np.array(evidence), np.array(right), np.array(names)
+    return np.array(evidence), np.array(right), np.array(buildings), np.array(kinds)
 
 
 def fit(evidence, right):
@@ -86,7 +100,7 @@ def log_loss(p, right):
 
 def describe(name, p, right):
     accepted = p >= MIN_PROBABILITY
-    print(f"{name:24} log-loss {log_loss(p, right):.4f}, accepted wrong "
+    print(f"{name:26} log-loss {log_loss(p, right):.4f}, accepted wrong "
           f"{np.sum(accepted & ~right)} of {np.sum(~right)}, rejected right "
           f"{np.sum(~accepted & right)} of {np.sum(right)}")
 
@@ -98,25 +112,27 @@ def main():
     parser.add_argument("--output", metavar="FILE.ini")
     parser.add_argument("--version", type=int, default=1)
     arguments = parser.parse_args()
-    evidence, right, names = read(arguments.tables)
+    evidence, right, buildings, kinds = read(arguments.tables)
 
     current = configparser.ConfigParser(inline_comment_prefixes=("//",))
     current.read(MODEL, encoding="utf-8")
     in_use = np.array([float(current["VerdictModel"][key]) for key in KEYS])
     fitted = fit(evidence, right)
-    print(f"{len(right)} matches, {np.sum(right)} right, of {len(set(names))} data sets")
+    print(f"{len(right)} matches, {np.sum(right)} right, of {len(set(buildings))} buildings")
     print(f"{'':16} {'in use':>10} {'fitted':>10}")
     for key, old, new in zip(KEYS, in_use, fitted):
         print(f"{key:16} {old:10.4g} {new:10.4g}")
     describe("model in use", probability(evidence, in_use), right)
     describe("fit, on its own data", probability(evidence, fitted), right)
-    if len(set(names)) > 1:
+    if len(set(buildings)) > 1:
         p = np.empty(len(right))
-        for name in set(names):
-            held_out = names == name
+        for building in set(buildings):
+            held_out = buildings == building
             p[held_out] = probability(evidence[held_out], fit(evidence[~held_out],
                                                               right[~held_out]))
         describe("fit, cross-validated", p, right)
+        for kind in dict.fromkeys(kinds):
+            describe("  " + kind, p[kinds == kind], right[kinds == kind])
 
     if arguments.output:
         values = {"version": arguments.version, **dict(zip(KEYS, fitted)),

@@ -46,6 +46,18 @@ mrpt::fusion::Prior priorOf(const RunContext& run) {
   return Prior::gaussian(guess);
 }
 
+/** True if a rejected match without a guess would be accepted with --full-6dof. Cameras look along
+ * z, and some frames point down. */
+bool fitsWithoutCommonVertical(const RunContext& run, const PreparedMap& a, const PreparedMap& b) {
+  using mrpt::fusion::SearchRotations;
+  mrpt::fusion::Options options = run.options;
+  const bool is_asked = run.report.initial_pose || options.search.translation <= 0 ||
+                        options.search.rotations == SearchRotations::All;
+  if (is_asked || run.report.match->by_edges || run.report.match->evaluation.accepted) return false;
+  options.search.rotations = SearchRotations::All;
+  return mrpt::fusion::align(a, b, mrpt::fusion::Prior::none(), options).evaluation.accepted;
+}
+
 void drawPicture(RunContext& run, const MapPair& pair) {
   std::vector<mrpt::fusion::TopViewPanel> panels;
   if (run.report.initial_pose)
@@ -105,6 +117,9 @@ bool matchPair(RunContext& run, const MapPair& pair) {
   const auto [a, b] = preparePair(run, pair);
   run.endStep("features");
   run.report.match = mrpt::fusion::align(a, b, priorOf(run), run.options, run.on_iteration);
+  if (fitsWithoutCommonVertical(run, a, b))
+    run.report.match->evaluation.reasons.emplace_back(
+        "the maps fit if up is another direction in map B: pass --full-6dof");
   run.progress.clear();
   const auto& match = *run.report.match;
   run.report.pose = match.pose();

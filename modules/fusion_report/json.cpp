@@ -6,6 +6,7 @@
 
 #include <mrpt/fusion/poses.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace mrpt::fusion {
@@ -38,6 +39,8 @@ Json poseJson(const mrpt::poses::CPose3DPDFGaussian& p) {
   return json;
 }
 
+Json vectorJson(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
 Json matchJson(const Alignment& info) {
   const auto& e = info.evaluation;
   Json iterations = Json::array();
@@ -61,9 +64,17 @@ Json matchJson(const Alignment& info) {
           {"mean_mahalanobis", e.mean_mahalanobis},
           {"log_likelihood", e.log_likelihood},
           {"runner_up", e.runner_up},
+          {"rival_support", e.rival_support},
+          {"rival_weight", e.rival_weight},
           {"probability", e.probability},
           {"deviation_m", e.deviation.translation},
           {"deviation_deg", mrpt::RAD2DEG(e.deviation.rotation)},
+          {"deviation_direction", vectorJson(e.deviation.directions.col(0))},
+          {"deviation_axis", vectorJson(e.deviation.axes.col(0))},
+          {"free_directions", e.deviation.free_directions},
+          {"free_axes", e.deviation.free_axes},
+          {"size_ratio", std::isfinite(e.size_ratio.deviation) ? Json(e.size_ratio.value) : Json()},
+          {"size_ratio_deviation", e.size_ratio.deviation},
           {"ambiguous", e.is_ambiguous},
           {"hypotheses", hypotheses},
           {"free_space_conflict_ratio",

@@ -18,7 +18,9 @@ TEST_F(SingleSteps, MatchesMapsWithoutACommonVertical) {
       mapFusion("transform " + pair("map_b.ot") + " --pose '[1 2 3 50 -20 90]' -o lying.ot").code,
       0);
   const std::string maps = "match " + pair("map_a.ot") + " lying.ot --pose-out T.txt";
-  EXPECT_EQ(mapFusion(maps).code, 3) << "up is not up";
+  const auto upright = mapFusion(maps);
+  EXPECT_EQ(upright.code, 3) << "up is not up";
+  EXPECT_NE(upright.out.find("pass --full-6dof"), std::string::npos) << upright.out;
   const auto r = mapFusion(maps + " --full-6dof");
   ASSERT_EQ(r.code, 0) << r.out << r.err;
   const Eigen::Isometry3d lying = mrpt::fusion::toEigen(mrpt::poses::CPose3D(

@@ -256,7 +256,7 @@ void judgeVerdicts(const MapPair& pair, const Effort& effort, std::ostream& csv)
   constexpr unsigned kParts = 30, kImages = 10;
   writeRow(csv,
            "dataset,guess,overlap,case,error_m,error_deg,probability,nees,verdict,matched_overlap,"
-           "conflict_ratio,runner_up,inlier_ratio");
+           "conflict_ratio,runner_up,inlier_ratio,rival_support");
   const auto judge = [&](const MapPair& of, bool has_truth, unsigned i) {
     const double overlap = has_truth ? trueOverlap(of) : 0;
     const auto write = [&](const char* method_name, const char* guess, const Start& start) {
@@ -268,7 +268,7 @@ void judgeVerdicts(const MapPair& pair, const Effort& effort, std::ostream& csv)
       writeRow(csv, pair.name, guess, overlap, i, error.centre, degrees(error.angle),
                result.probability, neesOf(result.T_a_b, result.covariance.value(), of),
                verdictText(result.accepted), result.overlap, result.conflict_ratio,
-               result.runner_up, result.inlier_ratio);
+               result.runner_up, result.inlier_ratio, result.rival_support);
     };
     write("anywhere", "none", randomStarts(1, 20, M_PI, i).front());
     write("default", "near", randomStarts(1, 1, mrpt::DEG2RAD(10.0), i).front());

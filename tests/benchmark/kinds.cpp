@@ -48,6 +48,13 @@ void cutToOneLayer(MapPair& pair) {
   pair.b = oneLayer(pair.b, z_b);
 }
 
+/** Puts B's obstacles at the heights of A's obstacles, for maps without a true pose. */
+void levelWithA(MapPair& pair) {
+  pair.centre_of_b.setZero();
+  pair.T_a_b.setIdentity();
+  pair.T_a_b.translation().z() = medianHeight(*pair.a) - medianHeight(*pair.b);
+}
+
 bool isUpright(const MapPair& pair) {
   constexpr double kLeastCosine = 0.9998;  // 1.1 deg
   return pair.T_a_b.linear()(2, 2) > kLeastCosine;
@@ -84,7 +91,8 @@ void judgeKinds(const MapPair& pair, const std::vector<MapPair>& others, const E
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   writeRow(csv,
            "dataset,kind,case,overlap,error_m,error_deg,scale,probability,verdict,matched_overlap,"
-           "conflict_ratio,runner_up,inlier_ratio,missed_ratio,without_free");
+           "conflict_ratio,runner_up,inlier_ratio,missed_ratio,without_free,rival_support,"
+           "size_ratio");
   const auto judge = [&](const std::string& kind, const std::string& of, const MapPair& maps,
                          bool has_truth) {
     if (extractOccupiedVoxels(*maps.a).size() == 0 || extractOccupiedVoxels(*maps.b).size() == 0)
@@ -96,27 +104,27 @@ void judgeKinds(const MapPair& pair, const std::vector<MapPair>& others, const E
     writeRow(csv, pair.name, kind, of, has_truth ? trueOverlap(maps) : 0,
              has_truth ? error.centre : kInfinity, error.angle * 180 / M_PI, r.scale, r.probability,
              verdictText(r.accepted), r.overlap, r.conflict_ratio, r.runner_up, r.inlier_ratio,
-             r.missed_ratio, r.without_free);
+             r.missed_ratio, r.without_free, r.rival_support, r.size_ratio);
   };
-  MapPair image = pair;
-  image.b = mirrored(*pair.b);
   for (const auto& [kind, change] : kindsOf(pair)) {
     std::mt19937 generator(7);
+    size_t stranger = 0;
     for (unsigned i = 0; i < kParts; i++) {
-      MapPair parts = i == 0 ? pair : randomParts(pair, generator);
+      const MapPair parts = i == 0 ? pair : randomParts(pair, generator);
       if (i % effort.stride != 0) continue;
-      change(parts);
-      judge(kind, "part " + std::to_string(i), parts, true);
-    }
-    const auto wrong = [&](const std::string& of, MapPair maps) {
-      change(maps);
-      judge(kind, of, maps, false);
-    };
-    wrong("mirror image", image);
-    for (const MapPair& other : others) {
-      MapPair strangers = pair;
-      strangers.b = other.b;
-      wrong(other.name, strangers);
+      const std::string part = "part " + std::to_string(i);
+      const auto judgeWith = [&](const std::string& of, const Tree& b, bool has_truth) {
+        MapPair maps = parts;
+        maps.b = b;
+        if (!has_truth) levelWithA(maps);
+        change(maps);
+        judge(kind, of, maps, has_truth);
+      };
+      judgeWith(part, parts.b, true);
+      judgeWith("mirror image of " + part, mirrored(*parts.b), false);
+      if (others.empty()) continue;
+      const MapPair& other = others[stranger++ % others.size()];
+      judgeWith(other.name + " for " + part, other.b, false);
     }
   }
 }

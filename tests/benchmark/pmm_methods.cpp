@@ -29,9 +29,11 @@ class Matching : public Method {
     r.conflict_ratio = evaluation.free_space.conflictRatio();
     r.runner_up = evaluation.runner_up;
     r.inlier_ratio = evaluation.inlier_ratio;
+    r.rival_support = evaluation.rival_support;
     r.missed_ratio = evaluation.free_space.missedRatio();
     r.without_free = evaluation.without_free_space;
     r.scale = found.scale;
+    r.size_ratio = found.match.size_ratio.value;
     r.covariance = found.match.covariance;
     return r;
   }

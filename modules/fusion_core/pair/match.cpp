@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "fusion_base/parallel.h"
+#include "fusion_core/registration/size_ratio.h"
 #include "fusion_core/registration/two_level.h"
 #include "fusion_core/search/all_rotations.h"
 #include "fusion_core/search/levelling.h"
@@ -134,6 +135,10 @@ MatchResult matchAt(const MapFeatures& a, const MapFeatures& b, const Eigen::Iso
   const VoxelAssociation association = associationOf(a, b, options.registration);
   VoxelLevel level = voxelLevel(a, b, association, options.registration);
   result.covariance = covarianceOf(a, b, level, T_a_b, options.registration);
+  const Pairs pairs = firstPairs(level, T_a_b, leastVoxelGate(a, b, options.registration),
+                                 options.registration.first_pairs);
+  result.size_ratio = sizeRatioAt(a.matched, b.matched, pairs, T_a_b, association, level.H_m(),
+                                  options.registration);
   return result;
 }
 

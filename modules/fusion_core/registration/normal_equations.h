@@ -29,6 +29,19 @@ struct GradientScatter {
   size_t patches = 0;             ///< Number of patches
 };
 
+/** Normal equations of a similarity: translation, rotation, relative growth of B. They hold the
+ * scatter of the gradients, too. */
+struct SimilarityEquations {
+  using Matrix7d = Eigen::Matrix<double, 7, 7>;
+  using Vector7d = Eigen::Matrix<double, 7, 1>;
+  Matrix7d H = Matrix7d::Zero();                     ///< Hessian
+  Vector7d g = Vector7d::Zero();                     ///< Right-hand side of H xi = g
+  Matrix7d S = Matrix7d::Zero();                     ///< Sum of g g' over the patches
+  size_t patches = 0;                                ///< Number of patches
+  double error = 0;                                  ///< Sum of squared Mahalanobis distances
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< Fixed point of rotation and growth, m
+};
+
 /** Least eigenvalue of H that is information and not rounding, as a share of the largest. */
 constexpr double kNoInformation = 1e-10;
 

@@ -9,15 +9,52 @@
 
 namespace mrpt::fusion {
 
+namespace {
+
+/** Principal axes of a covariance, largest first. */
+struct PrincipalAxes {
+  Eigen::Vector3d deviation;  ///< Standard deviations
+  Eigen::Matrix3d axes;       ///< Unit columns; the largest coordinate of each is positive
+
+  explicit PrincipalAxes(const Eigen::Matrix3d& covariance) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+    deviation = solver.eigenvalues().reverse().cwiseMax(0).cwiseSqrt();
+    axes = solver.eigenvectors().rowwise().reverse();
+    for (int i = 0; i < 3; i++) {
+      int largest = 0;
+      axes.col(i).cwiseAbs().maxCoeff(&largest);
+      if (axes(largest, i) < 0) axes.col(i) *= -1;
+    }
+  }
+  unsigned free() const {
+    return static_cast<unsigned>((deviation.array() > kFreeDeviation).count());
+  }
+};
+
+/** Returns the covariance of a point if the rotation is known. \a J is the Jacobian of the point.
+ */
+Eigen::Matrix3d atFixedRotation(const Matrix6d& covariance, const Eigen::Matrix<double, 3, 6>& J) {
+  const Eigen::Matrix3d tr = J * covariance.rightCols<3>(),
+                        rr = covariance.bottomRightCorner<3, 3>();
+  return J * covariance * J.transpose() -
+         tr * rr.completeOrthogonalDecomposition().pseudoInverse() * tr.transpose();
+}
+
+}  // namespace
+
 PoseDeviation deviationAt(const Matrix6d& covariance, const Eigen::Vector3d& point) {
   Eigen::Matrix<double, 3, 6> J;  // Jacobian of the point
   J << Eigen::Matrix3d::Identity(), -skew(point);
-  const auto largest = [](const Eigen::Matrix3d& m) {
-    return std::sqrt(
-        std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(m, Eigen::EigenvaluesOnly)
-                          .eigenvalues()[2]));
-  };
-  return {largest(J * covariance * J.transpose()), largest(covariance.bottomRightCorner<3, 3>())};
+  const PrincipalAxes of_point(J * covariance * J.transpose()),
+      of_rotation(covariance.bottomRightCorner<3, 3>());
+  PoseDeviation d{of_point.deviation[0], of_rotation.deviation[0], of_point.axes,
+                  of_rotation.axes,      of_point.free(),          of_rotation.free()};
+  if (d.free_axes > 0) {
+    const PrincipalAxes alone(atFixedRotation(covariance, J));
+    d.directions = alone.axes;
+    d.free_directions = alone.free();
+  }
+  return d;
 }
 
 Matrix6d poseCovariance(const NormalEquations& at_optimum, size_t pairs,

@@ -13,7 +13,13 @@
 
 namespace mrpt::fusion {
 
-/** Returns the largest standard deviations of a point of B and of the rotation.
+/** Standard deviation above which nothing holds a direction, m or rad. */
+constexpr double kFreeDeviation = 100;
+
+/** Returns the largest standard deviations of a point of B and of the rotation, with their
+ * directions. A direction is free if its standard deviation is above kFreeDeviation. A map that
+ * turns freely about one axis moves its far points, too: then the directions are those of the
+ * translation at a fixed rotation.
  * \param[in] covariance Covariance as from poseCovariance().
  * \param[in] point The point, m, A's frame. */
 PoseDeviation deviationAt(const Matrix6d& covariance, const Eigen::Vector3d& point);

@@ -108,20 +108,26 @@ double errorOf(const std::vector<Eigen::Vector3f>& b, const Pairs& pairs,
   return std::accumulate(parts.begin(), parts.end(), 0.0);
 }
 
+using Patch = std::array<int, 3>;
+
+/** Returns the cube of B in which a point lies. \a side is the side of the cubes, m. */
+Patch patchOf(const Eigen::Vector3d& s, double side) {
+  const auto part = [side](double x) { return toWhole(std::floor(x / side)); };
+  return {part(s.x()), part(s.y()), part(s.z())};
+}
+
 /** Returns the scatter of the gradients of patches, which are cubes of B. See GradientScatter.
  * \a side is the side of the cubes, m. */
 template <class TermOf>
 GradientScatter scatterOf(const std::vector<Eigen::Vector3f>& b, const Pairs& pairs,
                           const Eigen::Isometry3d& T, const Eigen::Vector3d& centre, double side,
                           const TermOf& term) {
-  std::map<std::array<int, 3>, Vector6d> patches;
+  std::map<Patch, Vector6d> patches;
   for (const Pair& p : pairs) {
     const Eigen::Vector3d s = b[p.b].cast<double>(), q = T * s;
     const auto [e, W] = term(p, q);
     const Eigen::Vector3d We = matrixOf(W) * e;
-    const auto part = [side](double x) { return toWhole(std::floor(x / side)); };
-    const auto found =
-        patches.try_emplace({part(s.x()), part(s.y()), part(s.z())}, Vector6d::Zero());
+    const auto found = patches.try_emplace(patchOf(s, side), Vector6d::Zero());
     Vector6d& g = found.first->second;
     g.head<3>() += We;
     g.tail<3>() += (q - centre).cross(We);
@@ -286,6 +292,35 @@ GradientScatter scatterSurfaces(const SurfaceVoxels& a, const SurfaceVoxels& b, 
                                 const Eigen::Vector3d& centre, double side) {
   return scatterOf(b.surfaces.point, pairs, T_a_b, centre, side,
                    SurfaceTerm(a, b, T_a_b, flatness));
+}
+
+SimilarityEquations linearizeSimilarity(const SurfaceVoxels& a, const SurfaceVoxels& b,
+                                        const Pairs& pairs, const Eigen::Isometry3d& T_a_b,
+                                        double flatness, double side) {
+  SimilarityEquations sum;
+  if (pairs.empty()) return sum;
+  const auto& points = b.surfaces.point;
+  for (const Pair& p : pairs) sum.centre += T_a_b * points[p.b].cast<double>();
+  sum.centre /= static_cast<double>(pairs.size());
+  const SurfaceTerm term(a, b, T_a_b, flatness);
+  std::map<Patch, SimilarityEquations::Vector7d> patches;
+  for (const Pair& p : pairs) {
+    const Eigen::Vector3d s = points[p.b].cast<double>(), q = T_a_b * s, r = q - sum.centre;
+    const auto [e, weight] = term(p, q);
+    const Eigen::Matrix3d W = matrixOf(weight);
+    Eigen::Matrix<double, 3, 7> J;  // a step xi changes e to e - J xi
+    J << Eigen::Matrix3d::Identity(), -skew(r), r;
+    const Eigen::Vector3d We = W * e;
+    const SimilarityEquations::Vector7d g = J.transpose() * We;
+    sum.H += J.transpose() * W * J;
+    sum.g += g;
+    sum.error += e.dot(We);
+    const auto found = patches.try_emplace(patchOf(s, side), SimilarityEquations::Vector7d::Zero());
+    found.first->second += g;
+  }
+  sum.patches = patches.size();
+  for (const auto& [place, g] : patches) sum.S += g * g.transpose();
+  return sum;
 }
 
 }  // namespace mrpt::fusion

@@ -56,4 +56,10 @@ GradientScatter scatterSurfaces(const SurfaceVoxels& a, const SurfaceVoxels& b, 
                                 const Eigen::Isometry3d& T_a_b, double flatness,
                                 const Eigen::Vector3d& centre, double side);
 
+/** Returns the equations of linearizeSurfaces() with a 7th unknown, the relative growth of B, and
+ * with the scatter by patches. The centre is the mean of the pairs. */
+SimilarityEquations linearizeSimilarity(const SurfaceVoxels& a, const SurfaceVoxels& b,
+                                        const Pairs& pairs, const Eigen::Isometry3d& T_a_b,
+                                        double flatness, double side);
+
 }  // namespace mrpt::fusion

@@ -9,6 +9,7 @@
 
 #include "fusion_core/registration/observability.h"
 #include "fusion_core/registration/residuals.h"
+#include "fusion_core/registration/size_ratio.h"
 
 namespace mrpt::fusion {
 namespace {
@@ -136,9 +137,11 @@ void matchVoxels(const MapFeatures& a, const MapFeatures& b, const VoxelAssociat
   // Each of the two tasks has too little work for many threads.
   tbb::parallel_invoke(
       [&] {
-        if (last.size() >= MatchResult::kMinPairs)
-          result.covariance =
-              covarianceAt(level, last, result.T_a_b, largerVoxel(a, b), params.covariance);
+        if (last.size() < MatchResult::kMinPairs) return;
+        result.covariance =
+            covarianceAt(level, last, result.T_a_b, largerVoxel(a, b), params.covariance);
+        result.size_ratio =
+            sizeRatioAt(a.matched, b.matched, last, result.T_a_b, association, level.H_m(), params);
       },
       [&] { result.pairs = pairVoxels(a, b, result.T_a_b, params, voxels); });
 }

@@ -34,6 +34,8 @@ class VoxelPairing : public Pairing {
   DescriptorWeights weights(double mse) const override {
     return descriptorWeights(mse, H_m_, 0, params_);
   }
+  /** Returns the mean occupancy uncertainty of the maps, see occupancyUncertainty(). */
+  double H_m() const { return H_m_; }
 
  private:
   const OccupiedVoxels& b_;
@@ -67,6 +69,8 @@ class VoxelLevel : public LevelProblem {
   /** Returns the scatter of the gradients at a pose, about a centre, m. */
   GradientScatter scatter(const Pairs& pairs, const Eigen::Isometry3d& T_a_b,
                           const Eigen::Vector3d& centre) const;
+  /** Returns the mean occupancy uncertainty of the maps, see occupancyUncertainty(). */
+  double H_m() const { return pairing_.H_m(); }
   /** Returns the variance of the shift that all pairs have in common, m^2. */
   double commonVariance() const;
 

@@ -8,27 +8,16 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <utility>
 
 #include "fusion_base/parallel.h"
 #include "fusion_base/whole_number.h"
 #include "fusion_core/map/occupancy_query.h"
 #include "fusion_core/registration/pose_covariance.h"
+#include "fusion_core/verdict/deviation_text.h"
 
 namespace mrpt::fusion {
 namespace {
-
-/** Returns standard deviations as text. */
-std::string textOf(const PoseDeviation& d) {
-  constexpr double kUnbounded = 100;  // m, rad
-  char text[96];
-  if (std::max(d.translation, d.rotation) > kUnbounded)
-    std::snprintf(text, sizeof(text), "map B %s freely",
-                  d.translation > kUnbounded ? "slides" : "turns");
-  else
-    std::snprintf(text, sizeof(text), "standard deviations %.2g m, %.2g deg", d.translation,
-                  d.rotation * 180 / M_PI);
-  return text;
-}
 
 /** Returns a pose as MRPT writes it, with a space before it; nothing for no pose. */
 std::string textOf(const std::optional<Eigen::Isometry3d>& T) {
@@ -48,6 +37,32 @@ std::string textOf(const std::optional<Eigen::Isometry3d>& T) {
 std::string percent(double ratio) {
   char text[32];
   std::snprintf(text, sizeof(text), "%.1f %%", 100 * ratio);
+  return text;
+}
+
+/** Voxel size above which the unit of a map is doubtful, m. */
+constexpr double kLeastDoubtfulVoxel = 10;
+
+std::string voxelText(const std::string& map, double resolution) {
+  char text[112];
+  std::snprintf(text, sizeof(text),
+                "the voxels of map %s are %.4g m wide: are its lengths in millimetres?",
+                map.c_str(), resolution);
+  return text;
+}
+
+bool differsInSize(const SizeRatio& ratio, const EvaluationParams& params) {
+  constexpr double kDeviations = 3;
+  return std::abs(std::log(ratio.value)) >
+         std::max(params.max_size_difference, kDeviations * ratio.deviation / ratio.value);
+}
+
+std::string sizeText(const SizeRatio& ratio) {
+  char text[128];
+  std::snprintf(text, sizeof(text),
+                "map B seems to be scaled by %.3f (standard deviation %.2g): do both maps have the "
+                "same unit?",
+                ratio.value, ratio.deviation);
   return text;
 }
 
@@ -116,7 +131,8 @@ FreeSpaceCheck checkFreeSpace(const MapVoxels& a, const OccupiedVoxels& b,
 
 Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pairs,
                          const Eigen::Isometry3d& T_a_b, const EvaluationParams& params,
-                         const Rival& rival, const PoseDeviation& deviation) {
+                         const Rival& rival, const PoseDeviation& deviation,
+                         const SizeRatio& size_ratio) {
   Evaluation e;
   const size_t stride_a = strideFor(a.voxels.size(), params.voxels),
                stride_b = strideFor(b.voxels.size(), params.voxels);
@@ -145,9 +161,26 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
   }
   // Both maps use the same stride, so both have the same weight.
   const size_t stride = std::max(stride_a, stride_b);
-  const FreeSpaceCheck b_in_a = checkFreeSpace(a, b.voxels, T_a_b, stride);
-  const FreeSpaceCheck a_in_b = checkFreeSpace(b, a.voxels, T_a_b.inverse(), stride);
-  e.free_space = b_in_a + a_in_b;
+  const auto bothWays = [&](const Eigen::Isometry3d& T) {
+    return checkFreeSpace(a, b.voxels, T, stride) +
+           checkFreeSpace(b, a.voxels, T.inverse(), stride);
+  };
+  e.free_space = bothWays(T_a_b);
+  const double conflict = e.free_space.conflictRatio();
+  const double stays = probabilityOfStaying(deviation, params.tolerance);
+  const auto probabilityWith = [&](double runner_up) {
+    return stays * params.model.probability(e.overlap, conflict, runner_up, e.inlier_ratio);
+  };
+  e.runner_up = rival.ratio;
+  // A match that is sure in spite of its rival needs no second look at the rival.
+  const bool is_sure = rival.ratio <= params.max_runner_up &&
+                       probabilityWith(rival.ratio) >= params.sure_probability;
+  if (rival.T_a_b && !is_sure && e.free_space.agreeing > 0)
+    e.rival_support = std::min(1.0, static_cast<double>(bothWays(*rival.T_a_b).agreeing) /
+                                        static_cast<double>(e.free_space.agreeing));
+  e.rival_weight = rival.ratio;
+  const bool lacks_support = rival.ratio <= 1 && e.rival_support < params.min_rival_support;
+  if (lacks_support) e.rival_weight *= e.rival_support / params.min_rival_support;
   e.without_free_space = 0.5 * ((a.has_free_space ? 0 : 1) + (b.has_free_space ? 0 : 1));
 
   e.accepted = true;
@@ -162,7 +195,6 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
       "inlier ratio " + percent(e.inlier_ratio) + " is above its threshold " + percent(e.threshold),
       "inlier ratio " + percent(e.inlier_ratio) + " is not above its threshold " +
           percent(e.threshold));
-  const double conflict = e.free_space.conflictRatio();
   const std::string missed = percent(e.free_space.missedRatio()) +
                              " of the obstacles lie beside the other map's obstacles";
   if (e.without_free_space >= 1) {
@@ -179,25 +211,27 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
           conflicting + "at most " + percent(params.max_free_conflict) + " are allowed" + of_one,
           conflicting + "more than " + percent(params.max_free_conflict) + of_one);
   }
-  e.runner_up = rival.ratio;
-  const bool has_rival = rival.ratio > params.max_runner_up;
+  e.size_ratio = size_ratio;
+  if (differsInSize(size_ratio, params)) judge(false, "", sizeText(size_ratio));
+  for (const auto& [map, name] : {std::pair(&a, "A"), std::pair(&b, "B")})
+    if (map->voxels.resolution >= kLeastDoubtfulVoxel)
+      e.reasons.push_back(voxelText(name, map->voxels.resolution));
+  const bool has_rival = e.rival_weight > params.max_runner_up;
   const bool is_well = e.accepted;
   if (rival.ratio > 1) {
     judge(!has_rival, "another pose" + textOf(rival.T_a_b) + " agrees slightly better",
           "another pose" + textOf(rival.T_a_b) + " agrees better: this pose agrees only " +
               percent(1 / rival.ratio) + " as well");
   } else if (rival.ratio > 0) {
-    const std::string agrees = "the second best pose" + textOf(rival.T_a_b) + " agrees " +
-                               percent(rival.ratio) + " as well, ";
+    const std::string agrees =
+        "the second best pose" + textOf(rival.T_a_b) + " agrees " + percent(rival.ratio) +
+        " as well" +
+        (lacks_support ? " but confirms only " + percent(e.rival_support) + " as much, " : ", ");
     judge(!has_rival, agrees + "at most " + percent(params.max_runner_up) + " is allowed",
           agrees + "more than " + percent(params.max_runner_up));
   }
   e.deviation = deviation;
-  const double stays = probabilityOfStaying(deviation, params.tolerance);
-  const auto probabilityWith = [&](double runner_up) {
-    return stays * params.model.probability(e.overlap, conflict, runner_up, e.inlier_ratio);
-  };
-  e.probability = probabilityWith(rival.ratio);
+  e.probability = probabilityWith(e.rival_weight);
   e.is_ambiguous = is_well && has_rival && probabilityWith(0) >= params.min_probability;
   if (stays < params.held_probability)
     e.reasons.push_back("the shared surfaces do not fix the pose of map B: " + textOf(deviation));
@@ -212,9 +246,9 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
 Evaluation judge(const MapFeatures& a, const MapFeatures& b, const MatchResult& match,
                  const EvaluationParams& params) {
   if (isEmpty(a, b)) return evaluateMatch(a, b, {}, match.T_a_b, params);
-  return evaluateMatch(
-      a, b, match.pairs, match.T_a_b, params, rivalOf(match),
-      deviationAt(match.covariance, match.T_a_b * meanOf(b.matched.voxels.centre)));
+  return evaluateMatch(a, b, match.pairs, match.T_a_b, params, rivalOf(match),
+                       deviationAt(match.covariance, match.T_a_b * meanOf(b.matched.voxels.centre)),
+                       match.size_ratio);
 }
 
 }  // namespace mrpt::fusion

@@ -47,10 +47,12 @@ struct Rival {
  * \param[in] params Conditions of an accepted match.
  * \param[in] rival The best other pose.
  * \param[in] deviation Standard deviations of the pose. They are large if the match can slide, for
- * example along a corridor without features. */
+ * example along a corridor without features.
+ * \param[in] size_ratio Measured size of B over the size of A. */
 Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pairs,
                          const Eigen::Isometry3d& T_a_b, const EvaluationParams& params,
-                         const Rival& rival = {}, const PoseDeviation& deviation = {});
+                         const Rival& rival = {}, const PoseDeviation& deviation = {},
+                         const SizeRatio& size_ratio = {});
 
 /** Computes the verdict on a match by evaluateMatch(), from the pairs, rivals and covariance of the
  * match. It neither searches nor changes the match. */

@@ -57,6 +57,8 @@ Parameters parametersOf(EvaluationParams& params) {
              "The search goes farther from a guess while the match is less probable; 0: never"),
       number("max_runner_up", params.max_runner_up, 0, 1,
              "Largest agreement of the second best pose over that of the best; 1: not tested"),
+      advanced(number("min_rival_support", params.min_rival_support, 1e-6, 1,
+                      "Rivals that confirm less, over what the match confirms, count less")),
       advanced(number("threshold_without_overlap", params.threshold_without_overlap, 0, 2,
                       "Least inlier ratio at no overlap, before the two limits")),
       advanced(number("threshold_per_overlap", params.threshold_per_overlap, 0, 2,
@@ -65,6 +67,9 @@ Parameters parametersOf(EvaluationParams& params) {
                       "Lower limit of the least inlier ratio")),
       advanced(number("max_threshold", params.max_threshold, 0, 1,
                       "Upper limit of the least inlier ratio")),
+      advanced(
+          number("max_size_difference", params.max_size_difference, 0, kUnlimited,
+                 "Largest relative difference of the sizes of the maps that is not looked at")),
       advanced(number("held_probability", params.held_probability, 0, 1,
                       "Least probability of staying in place that needs no remark")),
       advanced(length("tolerance_translation", params.tolerance.translation, 1e-3, kUnlimited,

@@ -432,6 +432,15 @@ TEST_F(Matching, ACorridorThatSlidesIsKnownToAndIsNotTrusted) {
       }
       EXPECT_GT(deviation.translation, 10);
       EXPECT_GT(of_given.deviation.translation, 10);
+      const Eigen::Vector3d along = T_a.linear() * Eigen::Vector3d::UnitX();
+      for (const PoseDeviation& d : {e.deviation, of_given.deviation})
+        EXPECT_GT(std::abs(d.directions.col(0).dot(along)), 0.999) << d.directions.col(0);
+      EXPECT_EQ(e.deviation.free_directions, 1);
+      EXPECT_EQ(e.deviation.free_axes, 0);
+      const bool says = std::any_of(e.reasons.begin(), e.reasons.end(), [](const auto& reason) {
+        return reason.find("map B slides freely along [") != std::string::npos;
+      });
+      EXPECT_TRUE(says);
       Eigen::Matrix<double, 3, 6> J;  // of the middle of map B
       J << Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Zero();
       for (int axis = 0; axis < 3; axis++)

@@ -9,6 +9,7 @@
 #include "fusion_core/map/free_space.h"
 #include "fusion_core/map/map_voxels.h"
 #include "fusion_core/registration/pose_covariance.h"
+#include "fusion_core/verdict/deviation_text.h"
 #include "support/matching_tools.h"
 #include "support/test_maps.h"
 
@@ -221,6 +222,31 @@ TEST(EvaluateMatch, ASecondPoseNearlyAsGoodMakesItAmbiguous) {
   EXPECT_FALSE(judged(0.51).is_ambiguous);
 }
 
+TEST(EvaluateMatch, ARivalThatConfirmsNextToNothingCountsLess) {
+  Case c{wall(), wall()};
+  c.params.min_rival_support = 0.2;
+  const Pairs good = {{0, 0, 0}, {1, 1, 0}, {2, 2, 0}, {3, 3, 0}, {4, 4, 0}};
+  const auto judged = [&](double ratio, const Eigen::Isometry3d& rival) {
+    return evaluateMatch(c.a, c.b, good, c.T_a_b, c.params, {ratio, rival});
+  };
+  // Beside each other the maps confirm one column of 10 obstacles, both ways.
+  const Eigen::Isometry3d beside = poseOf(0, 1, 0, 0), on_it = poseOf(0, 0.5, 0, 0);
+  const Evaluation e = judged(0.9, beside);
+  ASSERT_EQ(e.free_space.agreeing, 200);
+  EXPECT_DOUBLE_EQ(e.rival_support, 0.1);
+  EXPECT_DOUBLE_EQ(e.rival_weight, 0.45);
+  EXPECT_TRUE(e.accepted);
+  EXPECT_NE(reasonsOf(e).find("agrees 90.0 % as well but confirms only 10.0 % as much, at most"),
+            std::string::npos)
+      << reasonsOf(e);
+  const Evaluation of_rival = judged(0.9, on_it);
+  EXPECT_GT(of_rival.rival_support, 0.5);
+  EXPECT_EQ(of_rival.rival_weight, 0.9);
+  EXPECT_FALSE(of_rival.accepted);
+  EXPECT_GT(e.probability, of_rival.probability);
+  EXPECT_FALSE(judged(1.1, beside).accepted) << "it agrees better";
+}
+
 TEST(EvaluateMatch, IsRejectedBelowTheLeastProbability) {
   Case c{wall(), wall()};
   const Evaluation e = c.withPairs(100, 0, 0);
@@ -355,6 +381,36 @@ TEST(StrideFor, AsksNoMoreThanEnoughAndNotMuchLess) {
   EXPECT_EQ(strideFor(30, 10), 3);
 }
 
+TEST(EvaluateMatch, AClearDifferenceOfSizeIsRejected) {
+  const Case c{wall(), wall()};
+  const Pairs good = {{0, 0, 0}, {1, 1, 0}, {2, 2, 0}, {3, 3, 0}, {4, 4, 0}};
+  const auto judged = [&](double ratio, double deviation) {
+    return evaluateMatch(c.a, c.b, good, c.T_a_b, c.params, {}, {}, {ratio, deviation});
+  };
+  EXPECT_TRUE(judged(1, 0.001).accepted);
+  EXPECT_TRUE(judged(1.015, 0.001).accepted) << "small";
+  EXPECT_TRUE(judged(0.95, 0.03).accepted) << "not clear";
+  for (const double ratio : {0.95, 1.05}) {
+    const Evaluation e = judged(ratio, 0.002);
+    EXPECT_FALSE(e.accepted);
+    EXPECT_NE(
+        reasonsOf(e).find("map B seems to be scaled by " + std::to_string(ratio).substr(0, 5)),
+        std::string::npos)
+        << reasonsOf(e);
+  }
+}
+
+TEST(EvaluateMatch, AsksForTheUnitOfVoxelsOfManyMetres) {
+  const auto wide = [] { return MapWriter(100).box({0, 0, 0}, {0, 9, 9}, 0.F).pruned(); };
+  const Case c{wall(), wide()};
+  EXPECT_NE(reasonsOf(c.withPairs(5, 0, 0))
+                .find("the voxels of map B are 100 m wide: are its "
+                      "lengths in millimetres?"),
+            std::string::npos);
+  const Case usual{wall(), wall()};
+  EXPECT_EQ(reasonsOf(usual.withPairs(5, 0, 0)).find("millimetres"), std::string::npos);
+}
+
 // ---------------------------------------------------------------- how firmly a pose is held
 
 TEST(Deviation, IsThatOfAPointInTheWorstDirection) {
@@ -364,6 +420,49 @@ TEST(Deviation, IsThatOfAPointInTheWorstDirection) {
   EXPECT_NEAR(deviationAt(covariance, {0, 0, 0}).rotation, 0.03, 1e-12);
   // Turning about z by 0.03 rad takes what is 100 m away on x by 3 m along y.
   EXPECT_NEAR(deviationAt(covariance, {100, 0, 0}).translation, std::sqrt(0.04 + 9), 1e-9);
+}
+
+TEST(Deviation, NamesTheLeastCertainDirectionAndAxis) {
+  Matrix6d covariance = Matrix6d::Zero();
+  covariance.diagonal() << 0.01, 0.04, 0.09, 1e-4, 9e-4, 4e-4;
+  const PoseDeviation d = deviationAt(covariance, {0, 0, 0});
+  EXPECT_TRUE(d.directions.col(0).isApprox(Eigen::Vector3d::UnitZ()));
+  EXPECT_TRUE(d.directions.col(2).isApprox(Eigen::Vector3d::UnitX()));
+  EXPECT_TRUE(d.axes.col(0).isApprox(Eigen::Vector3d::UnitY()));
+  EXPECT_EQ(d.free_directions, 0);
+  EXPECT_EQ(d.free_axes, 0);
+  EXPECT_EQ(textOf(d),
+            "standard deviations 0.3 m along [0.00 0.00 1.00] (vertical), 1.7 deg about "
+            "[0.00 1.00 0.00] (level) of map A's frame");
+  EXPECT_EQ(textOf(PoseDeviation{0.3, 0.01}), "standard deviations 0.3 m, 0.57 deg");
+}
+
+TEST(Deviation, SaysAlongWhatMapBSlides) {
+  const Eigen::Vector3d along(0.8, 0.6, 0);
+  Matrix6d covariance = 1e-4 * Matrix6d::Identity();
+  covariance.topLeftCorner<3, 3>() += kUnknownVariance * along * along.transpose();
+  const PoseDeviation one = deviationAt(covariance, {5, 3, 1});
+  EXPECT_EQ(one.free_directions, 1);
+  EXPECT_EQ(textOf(one), "map B slides freely along [0.80 0.60 0.00] (level) of map A's frame");
+  covariance(2, 2) += kUnknownVariance;
+  EXPECT_EQ(textOf(deviationAt(covariance, {5, 3, 1})),
+            "map B slides freely in all directions across [-0.60 0.80 0.00] (level) of map A's "
+            "frame");
+  EXPECT_EQ(textOf(deviationAt(kUnknownVariance * Matrix6d::Identity(), {0, 0, 0})),
+            "map B slides freely in all directions and turns freely about all axes of map A's "
+            "frame");
+}
+
+TEST(Deviation, AMapThatTurnsAboutOneAxisDoesNotSlide) {
+  // A round room: B turns about the vertical through (4, 0, 0).
+  Matrix6d about_centre = 1e-4 * Matrix6d::Identity();
+  about_centre(5, 5) = kUnknownVariance;
+  const Matrix6d J = stepAbout(Eigen::Vector3d::Zero(), {4, 0, 0});
+  const PoseDeviation d = deviationAt(J * about_centre * J.transpose(), {9, 0, 0});
+  EXPECT_GT(d.translation, 100);  // 5 m beside the axis
+  EXPECT_EQ(d.free_directions, 0);
+  EXPECT_EQ(d.free_axes, 1);
+  EXPECT_EQ(textOf(d), "map B turns freely about [0.00 0.00 1.00] (vertical) of map A's frame");
 }
 
 TEST(Deviation, ProbabilityOfStayingIsThatOfAGaussian) {

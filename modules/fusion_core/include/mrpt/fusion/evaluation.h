@@ -35,7 +35,7 @@ struct VerdictModel {
    * pose that is shifted by a row of pillars passes the paper's test. All measures are in [0,1].
    * \param[in] overlap Eq. (25).
    * \param[in] conflict_ratio Share of obstacles in the free space of the other map.
-   * \param[in] runner_up Agreement of the best other pose over the agreement of this pose.
+   * \param[in] runner_up Weight of the best other pose, see Evaluation::rival_weight.
    * \param[in] inlier_ratio Inliers over pairs. */
   MRPT_FUSION_API double probability(double overlap, double conflict_ratio, double runner_up,
                                      double inlier_ratio) const;
@@ -76,6 +76,10 @@ struct EvaluationParams {
   double min_overlap = 0.02;        ///< Least overlap; a smaller overlap has too little evidence
   /** Largest agreement of another pose over the agreement of the match. */
   double max_runner_up = 0.75;
+  /** Least support of a rival. A pose that lays the maps beside each other has no conflicts and may
+   * agree well, but it confirms next to nothing. A rival with less support counts in proportion,
+   * unless it agrees better than the match. */
+  double min_rival_support = 0.05;
   double min_probability = 0.85;  ///< Least probability that the pose is right
   /** Least probability of an accepted match that ends the search near a guess, see align(). 0: the
    * search never goes farther. */
@@ -84,6 +88,9 @@ struct EvaluationParams {
   double threshold_per_overlap = 0.5;      ///< Decrease of the inlier threshold per overlap
   double min_threshold = 0.6;              ///< Least inlier threshold
   double max_threshold = 0.8;              ///< Largest inlier threshold
+  /** Largest logarithm of the size of B over the size of A. A larger difference that is also clear
+   * (3 standard deviations) is a difference of units or a faulty scale. */
+  double max_size_difference = 0.02;
   double held_probability = 0.95;  ///< Least probability of staying in place without a remark
   PoseTolerance tolerance;         ///< Largest error of a right pose
   VerdictModel model;              ///< Model from evidence to probability
@@ -136,9 +143,16 @@ struct Evaluation {
   FreeSpaceCheck free_space;      ///< Sum of both directions, for the voxels in the verdict
   double without_free_space = 0;  ///< Share of the maps without free space: 0, 0.5 or 1
   double runner_up = 0;           ///< Agreement of the best rival over the agreement of this pose
-  bool is_ambiguous = false;      ///< True if a rival is the only reason for the rejection
-  PoseDeviation deviation;        ///< Standard deviations of the pose
-  double probability = 0;         ///< Probability that the pose is right, [0,1]
+  /** Obstacles that the maps confirm at the pose of the best rival, over those that they confirm at
+   * this pose, at most 1. 1 if the verdict did not look at it: the match is sure anyway. */
+  double rival_support = 1;
+  /** Weight of the best rival against the pose: runner_up, less if the rival has too little
+   * support, see EvaluationParams::min_rival_support. */
+  double rival_weight = 0;
+  bool is_ambiguous = false;  ///< True if a rival is the only reason for the rejection
+  SizeRatio size_ratio;       ///< Size of map B over the size of map A
+  PoseDeviation deviation;    ///< Standard deviations of the pose
+  double probability = 0;     ///< Probability that the pose is right, [0,1]
   /** True if the pose can be trusted. */
   bool accepted = false;
   std::vector<std::string> reasons;  ///< Reasons of the verdict, one sentence each

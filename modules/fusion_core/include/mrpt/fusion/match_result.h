@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <vector>
 
 /** \file
@@ -24,6 +25,19 @@ constexpr double kUnknownVariance = 1e6;
 struct PoseDeviation {
   double translation = 0;  ///< Standard deviation of a point, m
   double rotation = 0;     ///< Standard deviation of the rotation, rad
+  /** Principal directions of the error of the point: unit columns in A's frame, the least certain
+   * direction first. Zero if they are not known. */
+  Eigen::Matrix3d directions = Eigen::Matrix3d::Zero();
+  /** Principal axes of the error of the rotation, as directions. */
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
+  unsigned free_directions = 0;  ///< Number of first directions along which map B slides freely
+  unsigned free_axes = 0;        ///< Number of first axes about which map B turns freely
+};
+
+/** Measured size of map B over the size of map A. It is 1 if both maps have the same unit. */
+struct SizeRatio {
+  double value = 1;                                            ///< Size of B over size of A
+  double deviation = std::numeric_limits<double>::infinity();  ///< Its standard deviation
 };
 
 /** A voxel of B and the nearest voxel of A by descriptor. */
@@ -68,6 +82,7 @@ struct MatchResult {
   /** Covariance of a left perturbation (translation, rotation) of the pose, in A's frame, m and
    * rad. Initially kUnknownVariance in all directions. */
   Matrix6d covariance = kUnknownVariance * Matrix6d::Identity();
+  SizeRatio size_ratio;                     ///< Size of B over size of A at the pose
   std::vector<IterationRecord> iterations;  ///< Records of both levels, in their order
   /** Distinct poses that were compared, best agreement first. Empty without a search. The first
    * hypothesis is T_a_b before the registration with all voxels. Two kinds of poses are second for
