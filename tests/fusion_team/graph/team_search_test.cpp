@@ -145,6 +145,61 @@ TEST(TeamScore, DisplacedObstaclesCountLessThanContradicted) {
   EXPECT_NEAR(scoreOf(c, square), 64 - 16 / 0.01, 1e-9);
 }
 
+/** Maps that confirm each other at some places only. They do not meet anywhere else. */
+class Places : public TeamEvidence {
+ public:
+  struct Place {
+    Way way;
+    size_t confirmed;  // obstacles of each of both maps
+  };
+  Places(size_t maps, const std::vector<Place>& places) : maps_(maps) {
+    for (const auto& [way, confirmed] : places) {
+      PairEvidence e{way.T_a_b, way.T_a_b, emptySets(), emptySets()};
+      e.of_a.confirmed[way.b] = e.of_b.confirmed[way.a] = (uint64_t{1} << confirmed) - 1;
+      known_.push_back({way, e});
+    }
+  }
+  size_t size() const override { return maps_; }
+  bool isSame(size_t, const Isometry3d& T, const Isometry3d& U) const override {
+    return (T.translation() - U.translation()).norm() < 0.6;
+  }
+  double areaOfObstacle(size_t) const override { return 1; }
+  ConflictTolerance tolerance() const override { return {0.03, 0.01}; }
+  const PairEvidence& near(size_t a, size_t b, const Isometry3d& T) const override {
+    static const PairEvidence none{};
+    for (const auto& [way, evidence] : known_)
+      if (way.a == a && way.b == b && isSame(b, way.T_a_b, T)) return evidence;
+    return none;
+  }
+  std::vector<Way> ways() const {
+    std::vector<Way> ways;
+    for (const auto& [way, evidence] : known_) ways.push_back(way);
+    return ways;
+  }
+
+ private:
+  ComparedObstacles emptySets() const {
+    return {ObstacleSet(maps_), ObstacleSet(maps_), ObstacleSet(maps_)};  // a word for each map
+  }
+  size_t maps_;
+  std::vector<std::pair<Way, PairEvidence>> known_;
+};
+
+TEST(TeamSearch, ARivalCountsByWhatConnectsItsGroups) {
+  // Two pairs of maps hold together. Between the pairs one place confirms 20 obstacles, another 12.
+  const Places places(4, {{{0, 1, at(10, 0)}, 60},
+                          {{2, 3, at(10, 0)}, 60},
+                          {{1, 2, at(10, 0)}, 20},
+                          {{1, 2, at(10, 5)}, 12}});
+  const TeamSearchResult found = searchTeam(places.ways(), places, 16);
+  ASSERT_TRUE(found.best.pose[0] && found.best.pose[3]);
+  EXPECT_TRUE((found.best.pose[0]->inverse() * *found.best.pose[3]).isApprox(at(30, 0), 1e-6));
+  EXPECT_EQ(found.runner_up[0], 0) << "the frame is that of the first map";
+  EXPECT_NEAR(found.runner_up[1], 12.0 / (60 + 20), 1e-9) << "map 1 alone at the other place";
+  EXPECT_NEAR(found.runner_up[2], 12.0 / 20, 1e-9);
+  EXPECT_NEAR(found.runner_up[3], 12.0 / 20, 1e-9);
+}
+
 TEST(PoseGraph, SpreadsTheErrorOfALoop) {
   // Each of four sides is measured 0.1 m too long. A square of four equal sides closes.
   std::vector<std::optional<Isometry3d>> pose{at(0, 0), at(10.1, 0), at(10.1, 10.1), at(0.3, 10.1)};
