@@ -71,8 +71,7 @@ EvidenceOfMaps::EvidenceOfMaps(const std::vector<RobotMap>& maps, const Options&
 }
 
 void EvidenceOfMaps::adaptTolerance(const std::vector<PairMatch>& matches) {
-  constexpr double kFactor =
-      3;  // an obstacle has a conflict if any map has it: more than in a pair
+  constexpr double kFactor = 5;   // a team has more conflicts than a pair: any map may show it
   constexpr double kClear = 0.5;  // a wrong match that was accepted has a strong rival
   std::vector<double> displaced, contradicted;  // shares
   for (const PairMatch& m : matches) {
@@ -86,9 +85,10 @@ void EvidenceOfMaps::adaptTolerance(const std::vector<PairMatch>& matches) {
     displaced.push_back(d / known);
     contradicted.push_back(c / known);
   }
+  constexpr double kMost = 0.2;  // the verdict refuses half of this share of conflicts
   conflict_tolerance_ = {
-      std::max(kLeastTolerance.displaced, kFactor * exceededBy(0.5, displaced)),
-      std::max(kLeastTolerance.contradicted, kFactor * exceededBy(0.1, contradicted))};
+      std::clamp(kFactor * exceededBy(0.5, displaced), kLeastTolerance.displaced, kMost),
+      std::clamp(kFactor * exceededBy(0.1, contradicted), kLeastTolerance.contradicted, kMost)};
 }
 
 const PairEvidence& EvidenceOfMaps::near(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const {
