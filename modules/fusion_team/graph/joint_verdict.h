@@ -24,7 +24,7 @@ struct JudgedWay {
 struct JointVerdictParams {
   /** Largest gain of another place over the gain of the place. A pair's verdict asks for more:
    * there a rival may be supported by what both poses confirm. */
-  double max_runner_up = 0.9;
+  double max_runner_up = 0.8;
   double max_conflict = 0.10;  ///< Largest share of a map's surface in free space
   /** Largest probability that a wrong pair without a loop is accepted, for all pairs of a map
    * together. */
