@@ -3,8 +3,9 @@
 """benchmark_team.py [--building NAME] [--robots N] [--seeds A:B] [--build DIR]: fuses the maps of simulated teams.
 
 N robots drive on the ring of corridors of the simulated office, or through the hall of the lobby. Each robot
-drives its share of the way and some metres more, with its own errors and its own frame. Their maps are fused without a guess. Prints for each
-seed the robots that were placed, the placed robots whose pose is wrong (0.3 m or 1.5 deg), and the CPU time.
+drives its share of the way and some metres more, with its own errors and its own frame. The maps are fused
+without a guess. Prints for each seed the number of placed robots, of placed robots whose pose is wrong
+(0.3 m or 1.5 deg), and the CPU time.
 """
 import argparse
 import json

@@ -20,10 +20,14 @@ namespace mrpt::fusion {
  * hide a part of the growth. So B is enlarged by the first result and paired again, until the ratio
  * converges; but only if the first result differs by more than 1 % from 1. Without pairs that
  * determine the size, without convergence and beyond 20 %, the ratio is 1 and its standard
- * deviation infinite. Cost: O(1000 pairs) for maps of the same size. \param[in] a,b Matched voxels
- * of the maps A and B. \param[in] pairs Pairs at the pose. \param[in] T_a_b Pose of map B in A's
- * frame. \param[in] association Association of A's matched voxels. \param[in] H_m See
- * occupancyUncertainty(). \param[in] params Settings of registration. */
+ * deviation infinite. Cost: O(1000 pairs) for maps of the same size.
+ *
+ * \param[in] a,b Matched voxels of the maps A and B.
+ * \param[in] pairs Pairs at the pose.
+ * \param[in] T_a_b Pose of map B in A's frame.
+ * \param[in] association Association of A's matched voxels.
+ * \param[in] H_m See occupancyUncertainty().
+ * \param[in] params Settings of registration. */
 SizeRatio sizeRatioAt(const SurfaceVoxels& a, const SurfaceVoxels& b, const Pairs& pairs,
                       const Eigen::Isometry3d& T_a_b, const VoxelAssociation& association,
                       double H_m, const RegistrationParams& params);

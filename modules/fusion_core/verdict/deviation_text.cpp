@@ -23,12 +23,11 @@ std::string textOf(const Eigen::Vector3d& direction) {
   return text;
 }
 
-/** Returns where a map moves freely: along or about the first \a free axes. */
-std::string freedom(const Eigen::Matrix3d& axes, unsigned free, const std::string& by_one) {
-  if (free >= 3) return by_one == "along" ? "in all directions" : "about all axes";
-  if (free == 2)
-    return (by_one == "along" ? "in all directions across " : "about all axes across ") +
-           textOf(axes.col(2));
+/** Returns where a map moves freely: in the first \a free directions, or about the first axes. */
+std::string freedom(const Eigen::Matrix3d& axes, unsigned free, const std::string& by_one,
+                    const std::string& by_all) {
+  if (free >= 3) return by_all;
+  if (free == 2) return by_all + " across " + textOf(axes.col(2));
   return by_one + " " + textOf(axes.col(0));
 }
 
@@ -43,8 +42,10 @@ std::string deviationText(double value, const char* unit, const char* by,
 }  // namespace
 
 std::string textOf(const PoseDeviation& d) {
-  const std::string turns = "turns freely " + freedom(d.axes, d.free_axes, "about"),
-                    slides = "slides freely " + freedom(d.directions, d.free_directions, "along");
+  const std::string turns =
+      "turns freely " + freedom(d.axes, d.free_axes, "about", "about all axes");
+  const std::string slides =
+      "slides freely " + freedom(d.directions, d.free_directions, "along", "in all directions");
   if (d.free_axes > 0 && d.free_directions > 0)
     return "map B " + slides + " and " + turns + " of map A's frame";
   if (d.free_axes > 0) return "map B " + turns + " of map A's frame";

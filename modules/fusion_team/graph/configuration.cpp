@@ -164,8 +164,7 @@ void settle(Configuration& c, const TeamEvidence& evidence) {
       for (size_t j = i + 1; j < c.pose.size(); j++) {
         if (!c.pose[i] || !c.pose[j]) continue;
         const PairEvidence& e = evidence.near(i, j, c.pose[i]->inverse() * *c.pose[j]);
-        const double confirmed = countOf(e.of_a.confirmed) + countOf(e.of_b.confirmed);
-        if (confirmed >= kLeastConfirmed) constraints.push_back({i, j, e.registered});
+        if (e.confirmed() >= kLeastConfirmed) constraints.push_back({i, j, e.registered});
       }
     Configuration settled = c;
     optimizePoses(constraints, settled.pose);
@@ -206,7 +205,7 @@ Configuration grownFrom(const Way& seed, const std::vector<Way>& ways, const Tea
 }
 
 void improve(Configuration& c, const std::vector<Way>& ways, const TeamEvidence& evidence,
-             size_t most_maps) {
+             Moves moves) {
   constexpr double kLeastGain = 1e-6;  // share of the score
   const auto replaced = [&](const std::vector<size_t>& maps, GrowthOrder order) {
     Configuration moved = c;
@@ -220,7 +219,7 @@ void improve(Configuration& c, const std::vector<Way>& ways, const TeamEvidence&
   for (bool is_better = true; is_better;) {
     is_better = false;
     for (size_t i = 0; i < c.pose.size(); i++)
-      for (size_t j = i; j < (most_maps > 1 ? c.pose.size() : i + 1); j++)
+      for (size_t j = i; j < (moves == Moves::OfOneMap ? i + 1 : c.pose.size()); j++)
         for (const GrowthOrder order : {GrowthOrder::LargestGain, GrowthOrder::Clearest})
           if (c.pose[i] && c.pose[j]) is_better |= replaced({i, j}, order);
   }

@@ -47,10 +47,15 @@ Configuration grownFrom(const Way& seed, const std::vector<Way>& ways, const Tea
  * pairs. Keeps the poses if the score does not grow. */
 void settle(Configuration& configuration, const TeamEvidence& evidence);
 
+/** Which maps move at once. */
+enum class Moves {
+  OfOneMap,   ///< Each map alone
+  OfOneOrTwo  ///< Each map alone, and each two maps
+};
+
 /** Improves a configuration by moves: places a map elsewhere, places a missing map, takes a map
- * out. Ends when no move increases the score.
- * \param[in] most_maps 1, or 2 for moves of two maps at once. */
+ * out. Ends when no move increases the score. */
 void improve(Configuration& configuration, const std::vector<Way>& ways,
-             const TeamEvidence& evidence, size_t most_maps);
+             const TeamEvidence& evidence, Moves moves);
 
 }  // namespace mrpt::fusion

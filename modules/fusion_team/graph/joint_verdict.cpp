@@ -34,8 +34,7 @@ std::vector<Link> linksOf(const Configuration& c, const std::vector<JudgedWay>& 
       continue;
     }
     const PairEvidence& e = evidence.near(way.a, way.b, T_a.inverse() * T_b);
-    links.push_back(
-        {way.a, way.b, probability, countOf(e.of_a.confirmed) + countOf(e.of_b.confirmed)});
+    links.push_back({way.a, way.b, probability, e.confirmed()});
   }
   return links;
 }

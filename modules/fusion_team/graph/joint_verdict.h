@@ -22,8 +22,7 @@ struct JudgedWay {
 
 /** Settings of the verdict of a team. */
 struct JointVerdictParams {
-  /** Largest gain of another place over the gain of the place. A pair's verdict asks for more:
-   * there a rival may be supported by what both poses confirm. */
+  /** Largest gain of another place over the gain of the place, see TeamSearchResult::runner_up. */
   double max_runner_up = 0.8;
   double max_conflict = 0.10;  ///< Largest share of a map's surface in free space
   /** Largest probability that a wrong pair without a loop is accepted, for all pairs of a map
@@ -46,7 +45,8 @@ struct PlacedMap {
  * - no other place of the map gains nearly as much, and few of its obstacles lie in free space;
  * - a loop of matches connects it with the first map, or a match that is sure without a loop. The
  *   match of one pair is sure if its probability of being wrong is at most max_risk over the
- *   number of pairs that were tried for a map: many pairs have many chances to be wrong.
+ *   number of pairs that were tried for a map: many pairs have many chances to be wrong. A map
+ *   whose own place is not clear may close the loop of other maps.
  * \param[in] result The configuration; its poses are in any frame.
  * \param[in] ways Hypotheses of all pairs.
  * \param[in] evidence Evidence of all pairs.

@@ -165,11 +165,11 @@ TeamSearchResult searchTeam(const std::vector<Way>& ways, const TeamEvidence& ev
     for (const GrowthOrder order : {GrowthOrder::LargestGain, GrowthOrder::Clearest})
       grown.push_back(grownFrom(seed, ways, evidence, order));
   keepDistinct(grown, evidence);
-  for (Configuration& c : grown) improve(c, ways, evidence, 1);
+  for (Configuration& c : grown) improve(c, ways, evidence, Moves::OfOneMap);
   keepDistinct(grown, evidence);
   for (size_t i = 0; i < std::min(kMostImproved, grown.size()); i++) {
     settle(grown[i], evidence);
-    improve(grown[i], ways, evidence, 2);
+    improve(grown[i], ways, evidence, Moves::OfOneOrTwo);
     settle(grown[i], evidence);
   }
   result.best = *std::min_element(grown.begin(), grown.end(), scoresBetter);

@@ -54,10 +54,7 @@ ComparedObstacles compared(const MapFeatures& map, const VoxelBlocks::Ball& near
 /** Returns the confirmed obstacles less the contradicted obstacles, each contradicted obstacle
  * weighed by 1 / tolerance. */
 double scoreOf(const PairEvidence& e, double tolerance) {
-  const auto n = [](const ObstacleSet& a, const ObstacleSet& b) { return countOf(a) + countOf(b); };
-  return n(e.of_a.confirmed, e.of_b.confirmed) -
-         (n(e.of_a.displaced, e.of_b.displaced) + n(e.of_a.contradicted, e.of_b.contradicted)) /
-             tolerance;
+  return e.confirmed() - (e.displaced() + e.contradicted()) / tolerance;
 }
 
 }  // namespace
@@ -129,11 +126,9 @@ bool EvidenceOfPair::answers(const Known& known, const Eigen::Isometry3d& T_a_b)
 EvidenceOfPair::Known EvidenceOfPair::computed(const Eigen::Isometry3d& T_a_b) {
   if (!comparison_)
     comparison_ = std::make_unique<Comparison>(a_.features(), b_.features(), options_);
-  PairEvidence here = at(T_a_b);
-  const double confirmed = countOf(here.of_a.confirmed) + countOf(here.of_b.confirmed);
-  const double contradicted = countOf(here.of_a.contradicted) + countOf(here.of_b.contradicted);
-  Known as_asked{T_a_b * middle_b_, false, std::move(here)};
-  if (contradicted >= kHopeless * confirmed) return as_asked;
+  Known as_asked{T_a_b * middle_b_, false, at(T_a_b)};
+  if (as_asked.evidence.contradicted() >= kHopeless * as_asked.evidence.confirmed())
+    return as_asked;
   const Eigen::Isometry3d refined = comparison_->by_many.refined(T_a_b).T_a_b;
   if (isSame(T_a_b, refined)) as_asked.evidence.registered = refined;
   if (!isSame(T_a_b, refined, kSlack)) return as_asked;

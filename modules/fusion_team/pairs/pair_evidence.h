@@ -35,6 +35,14 @@ struct PairEvidence {
   Eigen::Isometry3d registered;
   ComparedObstacles of_a;  ///< Obstacles of A; empty sets if the maps do not meet
   ComparedObstacles of_b;  ///< Obstacles of B; empty sets if the maps do not meet
+
+  /** Returns the number of obstacles of both maps in one of their sets. */
+  double count(ObstacleSet ComparedObstacles::*set) const {
+    return countOf(of_a.*set) + countOf(of_b.*set);
+  }
+  double confirmed() const { return count(&ComparedObstacles::confirmed); }
+  double displaced() const { return count(&ComparedObstacles::displaced); }
+  double contradicted() const { return count(&ComparedObstacles::contradicted); }
 };
 
 /** The evidence of a pair of maps at any pose. It remembers the poses that it was asked for.

@@ -11,6 +11,18 @@
 #include "fusion_core/pair/match.h"
 
 namespace mrpt::fusion {
+namespace {
+
+/** Returns the value that a share of the values exceeds; 0 without values. */
+double exceededBy(double share, std::vector<double> values) {
+  if (values.empty()) return 0;
+  const double rank = (1 - share) * static_cast<double>(values.size());
+  const auto value = values.begin() + static_cast<std::ptrdiff_t>(rank);
+  std::nth_element(values.begin(), value, values.end());
+  return *value;
+}
+
+}  // namespace
 
 Prior priorOf(const RobotMap& map, const RobotMap& in) {
   const double unknown = kUnknownPoseSigma * kUnknownPoseSigma;
@@ -37,19 +49,6 @@ std::vector<PairMatch> matchPairs(const std::vector<RobotMap>& maps, const Optio
   });
   return matches;
 }
-
-namespace {
-
-/** Returns the value that a share of the values exceeds; 0 without values. */
-double exceededBy(double share, std::vector<double> values) {
-  if (values.empty()) return 0;
-  const double rank = (1 - share) * static_cast<double>(values.size());
-  const auto value = values.begin() + static_cast<std::ptrdiff_t>(rank);
-  std::nth_element(values.begin(), value, values.end());
-  return *value;
-}
-
-}  // namespace
 
 EvidenceOfMaps::EvidenceOfMaps(const std::vector<RobotMap>& maps, const Options& options)
     : maps_(maps), pairs_(maps.size()) {
@@ -78,12 +77,10 @@ void EvidenceOfMaps::adaptTolerance(const std::vector<PairMatch>& matches) {
     const Evaluation& verdict = m.alignment.evaluation;
     if (!verdict.accepted || verdict.runner_up > kClear) continue;
     const PairEvidence& e = near(m.a, m.b, m.alignment.match.T_a_b);
-    const double d = countOf(e.of_a.displaced) + countOf(e.of_b.displaced);
-    const double c = countOf(e.of_a.contradicted) + countOf(e.of_b.contradicted);
-    const double known = countOf(e.of_a.confirmed) + countOf(e.of_b.confirmed) + d + c;
+    const double known = e.confirmed() + e.displaced() + e.contradicted();
     if (known == 0) continue;
-    displaced.push_back(d / known);
-    contradicted.push_back(c / known);
+    displaced.push_back(e.displaced() / known);
+    contradicted.push_back(e.contradicted() / known);
   }
   constexpr double kMost = 0.2;  // the verdict refuses half of this share of conflicts
   conflict_tolerance_ = {

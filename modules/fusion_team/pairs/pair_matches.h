@@ -39,9 +39,9 @@ class EvidenceOfMaps : public TeamEvidence {
   bool isSame(size_t b, const Eigen::Isometry3d& T, const Eigen::Isometry3d& U) const override;
   double areaOfObstacle(size_t map) const override { return area_of_obstacle_[map]; }
   ConflictTolerance tolerance() const override { return conflict_tolerance_; }
-  /** Sets the tolerance to a multiple of the shares of conflicts of the clear matches, at least to
-   * the tolerance of a place where nothing moves. People who walk are obstacles in one map and free
-   * space in another. */
+  /** Sets the tolerance to a multiple of the shares of conflicts of the clear matches. The
+   * tolerance of a place where nothing moves is the least; a fixed share is the largest. People who
+   * walk are obstacles in one map and free space in another. */
   void adaptTolerance(const std::vector<PairMatch>& matches);
 
  private:

@@ -134,7 +134,7 @@ TEST(JointVerdict, AMapWithARivalIsNotPlacedButClosesTheLoopOfTheOthers) {
       << maps[2].reasons[0];
 }
 
-TEST(TeamScore, DisplacedObstaclesCountLessThanContradicted) {
+TEST(TeamScore, ContradictedObstaclesCountOverTheirTolerance) {
   const Square square;
   Configuration c;
   c.pose = {at(0, 0), std::nullopt, at(3, 1), std::nullopt};  // see wrong in Square::near()
