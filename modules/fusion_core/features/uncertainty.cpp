@@ -3,8 +3,9 @@
  * Computes the covariances of voxels and edges, eqs. (4)-(9). */
 #include "fusion_core/features/uncertainty.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
+
+#include "fusion_core/map/eigen_solvers.h"
 
 namespace mrpt::fusion {
 
@@ -29,9 +30,9 @@ EdgeCovariance edgeCovariance(const Eigen::Matrix3d& covariance, size_t neighbou
     result.eigenvalues.setConstant(covariance.trace() / 3);
     return result;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
-  result.eigenvalues = solver.eigenvalues().cwiseMax(0);
-  result.eigenvectors = solver.eigenvectors();
+  const SymmetricEigen<3> solution(covariance);
+  result.eigenvalues = solution.eigenvalues.cwiseMax(0);
+  result.eigenvectors = solution.eigenvectors;
   return result;
 }
 

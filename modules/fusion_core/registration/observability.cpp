@@ -3,10 +3,10 @@
  * Estimates the directions in which pairs hold a pose, and in which they slide. */
 #include "fusion_core/registration/observability.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "fusion_core/map/eigen_solvers.h"
 #include "fusion_core/map/map_voxels.h"
 #include "fusion_core/registration/pose_covariance.h"
 #include "fusion_core/registration/solver.h"
@@ -44,17 +44,16 @@ Matrix6d heldHessian(LevelProblem& level, const NormalEquations& equations, cons
   if (!(reach2 > 0)) return equations.H;
   Vector6d scale = Vector6d::Ones();
   scale.tail<3>() /= std::sqrt(reach2);
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scale.asDiagonal() * equations.H *
-                                                      scale.asDiagonal());
-  Vector6d held = eigen.eigenvalues();
+  const SymmetricEigen<6> eigen(scale.asDiagonal() * equations.H * scale.asDiagonal());
+  Vector6d held = eigen.eigenvalues;
   for (int i = 0; i < 6; i++) {
-    const Vector6d xi = step * scale.cwiseProduct(eigen.eigenvectors().col(i));
+    const Vector6d xi = step * scale.cwiseProduct(eigen.eigenvectors.col(i));
     const double expected = 2 * xi.dot(at_rest.H * xi);
     const double found = expected > 0 ? xi.dot(pullAt(-xi) - pullAt(xi)) / expected : 0;
     // `found` is at least 0.6 in held directions and below 0.1 along a corridor.
     held[i] *= found < params.min_pull ? 0 : std::min(found, 1.0);
   }
-  const Matrix6d V = scale.cwiseInverse().asDiagonal() * eigen.eigenvectors();
+  const Matrix6d V = scale.cwiseInverse().asDiagonal() * eigen.eigenvectors;
   return V * held.asDiagonal() * V.transpose();
 }
 

@@ -3,9 +3,10 @@
  * Computes the covariance of a pose from its normal equations. */
 #include "fusion_core/registration/pose_covariance.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "fusion_core/map/eigen_solvers.h"
 
 namespace mrpt::fusion {
 
@@ -17,9 +18,9 @@ struct PrincipalAxes {
   Eigen::Matrix3d axes;       ///< Unit columns; the largest coordinate of each is positive
 
   explicit PrincipalAxes(const Eigen::Matrix3d& covariance) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
-    deviation = solver.eigenvalues().reverse().cwiseMax(0).cwiseSqrt();
-    axes = solver.eigenvectors().rowwise().reverse();
+    const SymmetricEigen<3> solution(covariance);
+    deviation = solution.eigenvalues.reverse().cwiseMax(0).cwiseSqrt();
+    axes = solution.eigenvectors.rowwise().reverse();
     for (int i = 0; i < 3; i++) {
       int largest = 0;
       axes.col(i).cwiseAbs().maxCoeff(&largest);
@@ -61,13 +62,13 @@ Matrix6d poseCovariance(const NormalEquations& at_optimum, size_t pairs,
                         const GradientScatter& scatter, double unknown_variance) {
   const double freedom = std::max(1.0, 3 * static_cast<double>(pairs) - 6);
   const double residual_variance = std::max(at_optimum.error / freedom, 1e-12);
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(at_optimum.H);
-  const auto& V = solver.eigenvectors();
+  const SymmetricEigen<6> solution(at_optimum.H);
+  const auto& V = solution.eigenvectors;
   Vector6d inverse = Vector6d::Zero(), unknown = Vector6d::Zero();
   int known = 0;
   for (int i = 0; i < 6; i++) {
-    const double value = solver.eigenvalues()[i];
-    if (value > kNoInformation * solver.eigenvalues()[5]) {
+    const double value = solution.eigenvalues[i];
+    if (value > kNoInformation * solution.eigenvalues[5]) {
       inverse[i] = 1 / value;
       known++;
     } else {

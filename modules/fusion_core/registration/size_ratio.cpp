@@ -3,12 +3,12 @@
  * Measures the size of map B over the size of map A. */
 #include "fusion_core/registration/size_ratio.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "fusion_core/features/features.h"
+#include "fusion_core/map/eigen_solvers.h"
 #include "fusion_core/map/map_voxels.h"
 #include "fusion_core/registration/residuals.h"
 #include "fusion_core/registration/two_level.h"
@@ -44,10 +44,10 @@ Step solve(const SimilarityEquations& n, size_t pairs, double common) {
   if (!(reach2 > 0)) return {};
   Vector7d unit = Vector7d::Ones();
   unit.tail<4>().setConstant(1 / std::sqrt(reach2));
-  const Eigen::SelfAdjointEigenSolver<Matrix7d> solver(unit.asDiagonal() * n.H * unit.asDiagonal());
-  if (!(solver.eigenvalues()[0] > kNoInformation * solver.eigenvalues()[6])) return {};
-  const Matrix7d V = unit.asDiagonal() * solver.eigenvectors();
-  const Matrix7d inverse_H = V * solver.eigenvalues().cwiseInverse().asDiagonal() * V.transpose();
+  const SymmetricEigen<7> solution(unit.asDiagonal() * n.H * unit.asDiagonal());
+  if (!(solution.eigenvalues[0] > kNoInformation * solution.eigenvalues[6])) return {};
+  const Matrix7d V = unit.asDiagonal() * solution.eigenvectors;
+  const Matrix7d inverse_H = V * solution.eigenvalues.cwiseInverse().asDiagonal() * V.transpose();
   const double freedom = std::max(1.0, 3 * static_cast<double>(pairs) - 7);
   const double residual_variance = std::max(n.error / freedom, 1e-12);
   const double correlated = (inverse_H * n.S).trace() / 7;

@@ -3,8 +3,9 @@
  * Computes steps on SE(3). */
 #include "fusion_core/registration/solver.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
+
+#include "fusion_core/map/eigen_solvers.h"
 
 namespace mrpt::fusion {
 
@@ -29,13 +30,13 @@ Eigen::Isometry3d perturb(const Eigen::Isometry3d& T, const Vector6d& xi,
 }
 
 Vector6d solveDamped(const NormalEquations& equations, double lambda) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(equations.H);
-  const auto& values = solver.eigenvalues();  // ascending
+  const SymmetricEigen<6> solution(equations.H);
+  const auto& values = solution.eigenvalues;  // ascending
   const double least = kNoInformation * values[5];
   int unknown = 0;
   while (unknown < 6 && !(values[unknown] > least)) unknown++;
   if (unknown == 6) return Vector6d::Zero();
-  const Eigen::MatrixXd V = solver.eigenvectors().rightCols(6 - unknown);
+  const Eigen::MatrixXd V = solution.eigenvectors.rightCols(6 - unknown);
   Matrix6d H = equations.H;
   H.diagonal() *= 1 + lambda;
   const Eigen::MatrixXd reduced = V.transpose() * H * V;

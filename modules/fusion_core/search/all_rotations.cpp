@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "fusion_core/map/eigen_solvers.h"
 #include "fusion_core/search/wall_directions.h"
 #include "fusion_octree/resampling.h"
 
@@ -27,7 +28,7 @@ std::vector<Hypothesis> searchAllRotations(const MapVoxels& a, const Surfaces& s
   Surfaces turned_surfaces;
   const bool is_upright = std::abs(facing_a[0].dot(z)) > upright;
   if (!is_upright) {
-    T_turned_a.linear() = Eigen::Quaterniond::FromTwoVectors(facing_a[0], z).toRotationMatrix();
+    T_turned_a.linear() = rotationBetween(facing_a[0], z);
     turned = MapVoxels(transformOcTree(*a.map, T_turned_a, a.map->getResolution()));
     turned_surfaces = surfaces_a;
     for (auto& n : turned_surfaces.normal) n = T_turned_a.linear().cast<float>() * n;
@@ -37,9 +38,7 @@ std::vector<Hypothesis> searchAllRotations(const MapVoxels& a, const Surfaces& s
   for (const auto& direction : facing_b)
     for (const double sign : {1.0, -1.0}) {
       Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-      T.linear() =
-          Eigen::Quaterniond::FromTwoVectors(sign * direction, T_turned_a.linear() * facing_a[0])
-              .toRotationMatrix();
+      T.linear() = rotationBetween(sign * direction, T_turned_a.linear() * facing_a[0]);
       auto found = is_upright ? searchAround(a, surfaces_a, b, T, params)
                               : searchAround(turned, turned_surfaces, b, T, params);
       for (Hypothesis& h : found) h.T_a_b = T_turned_a.inverse() * h.T_a_b;

@@ -11,6 +11,8 @@
 #include <optional>
 #include <tuple>
 
+#include "fusion_core/map/eigen_solvers.h"
+
 namespace mrpt::fusion {
 namespace {
 
@@ -82,7 +84,7 @@ std::optional<Slope> slopeOf(const OccupiedVoxels& voxels,
   // block has a variance of 1/12 of its squared side.
   constexpr double kLeastVariance = 0.02;
   const Eigen::Matrix2d plan = scatter.topLeftCorner<2, 2>();
-  const double narrow = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(plan).eigenvalues()[0];
+  const double narrow = SymmetricEigen<2>(plan).eigenvalues[0];
   if (narrow < kLeastVariance * side * side) return {};
   const Eigen::Vector2d rise = plan.ldlt().solve(scatter.topRightCorner<2, 1>());
   const double residual = scatter(2, 2) - rise.dot(scatter.topRightCorner<2, 1>());
@@ -129,7 +131,7 @@ std::vector<Hypothesis> searchLevelled(const MapVoxels& a, const SurfaceVoxels& 
   const double tilt = std::acos(std::clamp(up_a.dot(up_b), -1.0, 1.0));
   if (tilt * radiusOf(few_b.voxels) <= params.levelling.max_cells * cell) return all;
   Eigen::Isometry3d levelled = T_a_b;
-  levelled.linear() = Eigen::Quaterniond::FromTwoVectors(up_b, up_a) * T_a_b.linear();
+  levelled.linear() = rotationBetween(up_b, up_a) * T_a_b.linear();
   const auto found = searchAround(a, matched_a.surfaces, few_b, levelled, params, up_a);
   // A levelling that does not help would only add rivals.
   if (found.empty() || (!all.empty() && found[0].score <= all[0].score)) return all;

@@ -3,10 +3,10 @@
  * Finds the directions that most surfaces face. */
 #include "fusion_core/search/wall_directions.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "fusion_core/map/eigen_solvers.h"
 #include "fusion_core/map/map_voxels.h"
 
 namespace mrpt::fusion {
@@ -42,8 +42,7 @@ std::vector<Eigen::Vector3d> dominantDirections(const Surfaces& surfaces, size_t
     Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
     for (const auto& n : normals)
       if (face(n, best, alike)) scatter += n * n.transpose();
-    directions.emplace_back(
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(2));
+    directions.emplace_back(SymmetricEigen<3>(scatter).eigenvectors.col(2));
     normals.erase(std::remove_if(normals.begin(), normals.end(),
                                  [&](const auto& n) { return face(n, directions.back(), apart); }),
                   normals.end());

@@ -13,6 +13,7 @@
 
 #include "fusion_core/features/surfaces.h"
 #include "fusion_core/features/thinning.h"
+#include "fusion_core/map/eigen_solvers.h"
 #include "fusion_core/map/map_voxels.h"
 #include "fusion_core/pair/match.h"
 #include "fusion_core/registration/pose_covariance.h"
@@ -368,9 +369,9 @@ TEST_F(Matching, PairsAreThoseAtItsPose) {
 
 TEST_F(Matching, CovarianceIsPositiveDefinite) {
   const MatchResult r = matchTwoLevel(maps().a, maps().b, guess, params);
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(r.covariance);
-  EXPECT_GT(solver.eigenvalues()[0], 0);
-  EXPECT_LT(solver.eigenvalues()[5], 0.1);  // thousands of pairs
+  const SymmetricEigen<6> solution(r.covariance);
+  EXPECT_GT(solution.eigenvalues[0], 0);
+  EXPECT_LT(solution.eigenvalues[5], 0.1);  // thousands of pairs
 }
 
 // ---------------------------------------------------------------- nothing to go by
@@ -465,7 +466,7 @@ TEST_F(Matching, WithoutPairsReturnsTheGuess) {
 TEST_F(Matching, WithoutPairsClaimsNoCertainty) {
   // A guess that nothing confirms must not look like a perfect measurement.
   const MatchResult r = matchMaps(maps().a, maps().b, truth * poseOf(60, 0, 0, 33), params);
-  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6d>(r.covariance).eigenvalues()[0], 1);
+  EXPECT_GT(SymmetricEigen<6>(r.covariance).eigenvalues[0], 1);
 }
 
 TEST_F(Matching, OfEmptyMapsReturnsTheGuess) {
