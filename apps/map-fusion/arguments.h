@@ -20,6 +20,8 @@ struct Arguments {
   std::string pose;                ///< Given pose of B in A, see parsePose()
   std::string output;              ///< File of the resulting map or point cloud
   std::string pose_out;            ///< File of the estimated pose; empty: none
+  std::string poses_out;           ///< File of the poses of all placed robots; empty: none
+  std::string priors;              ///< g2o file with guesses; empty: none
   std::string picture;             ///< PNG file of both maps; empty: none
   std::string scene;               ///< File of the 3-D scene; empty: none
   std::string json;                ///< File of the report as JSON; empty: none

@@ -22,6 +22,7 @@
 #include "inputs.h"
 #include "output.h"
 #include "pose.h"
+#include "priors.h"
 
 using mrpt::fusion::EdgeVoxels;
 using mrpt::fusion::PreparedMap;
@@ -35,6 +36,8 @@ namespace {
 mrpt::fusion::Prior priorOf(const RunContext& run) {
   using mrpt::fusion::Prior;
   const auto& sigma = run.args.init_sigma;
+  if (!run.args.priors.empty())
+    return loadPriors(run.args.priors, run.args.maps.size()).of(0, 1).value_or(Prior::none());
   if (!run.report.initial_pose) return Prior::none();
   if (sigma.empty()) return Prior::near(*run.report.initial_pose);
   mrpt::poses::CPose3DPDFGaussian guess(*run.report.initial_pose);
@@ -51,7 +54,8 @@ mrpt::fusion::Prior priorOf(const RunContext& run) {
 bool fitsWithoutCommonVertical(const RunContext& run, const PreparedMap& a, const PreparedMap& b) {
   using mrpt::fusion::SearchRotations;
   mrpt::fusion::Options options = run.options;
-  const bool is_asked = run.report.initial_pose || options.search.translation <= 0 ||
+  const bool is_asked = run.report.initial_pose || !run.args.priors.empty() ||
+                        options.search.translation <= 0 ||
                         options.search.rotations == SearchRotations::All;
   if (is_asked || run.report.match->by_edges || run.report.match->evaluation.accepted) return false;
   options.search.rotations = SearchRotations::All;

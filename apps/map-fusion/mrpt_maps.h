@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "fusion_report/pose_graph.h"
 #include "fusion_report/report.h"
 
 namespace mrpt::config {
@@ -98,6 +99,8 @@ class MrptMaps {
   virtual void save(const LoadedMap& map, const std::string& path) const = 0;
   /** Writes a scene, see mrpt::fusion::drawFusion(). */
   virtual void drawScene(const SceneContents& contents, const std::string& path) const = 0;
+  /** Returns poses as a `.graph` file of MRPT: VERTEX3, FIX, EDGE3. */
+  virtual std::string toGraphText(const mrpt::fusion::PoseGraph& graph) const = 0;
   /** Removes the temporary files of the module. For signal handlers. */
   virtual void removeTemporaryFiles() const noexcept = 0;
 };

@@ -5,8 +5,12 @@
 #include <mrpt/fusion/export.h>
 #include <mrpt/fusion/fusion_scene.h>
 #include <mrpt/fusion/map_files.h>
+#include <mrpt/graphs/CNetworkOfPoses.h>
 #include <mrpt/maps/CEdgeVoxelMap.h>
 
+#include <iomanip>
+#include <limits>
+#include <sstream>
 #include <stdexcept>
 
 #include "fusion_base/error_text.h"
@@ -107,6 +111,24 @@ class MapsOfModule : public MrptMaps {
   void save(const LoadedMap& map, const std::string& path) const override {
     const SilentErrors silent;
     mrpt::fusion::saveMap(*mrptMapOf(map), path);
+  }
+
+  std::string toGraphText(const mrpt::fusion::PoseGraph& poses) const override {
+    mrpt::graphs::CNetworkOfPoses3DInf graph;
+    for (const auto& v : poses.vertices) graph.nodes[v.id] = mrpt::fusion::toPose(v.pose);
+    if (!poses.vertices.empty()) graph.root = poses.vertices.front().id;
+    for (const auto& e : poses.edges) {
+      const auto covariance = toYawPitchRollCovariance(e.covariance, e.T_a_b);
+      graph.insertEdgeAtEnd(
+          e.a, e.b,
+          mrpt::poses::CPose3DPDFGaussianInf(
+              mrpt::fusion::toPose(e.T_a_b),
+              mrpt::math::CMatrixDouble66(mrpt::fusion::informationOf(covariance))));
+    }
+    std::ostringstream text;
+    text << std::setprecision(std::numeric_limits<double>::max_digits10);
+    graph.writeAsText(text);
+    return text.str();
   }
 
   void removeTemporaryFiles() const noexcept override { mrpt::fusion::removeTemporaryMapFiles(); }

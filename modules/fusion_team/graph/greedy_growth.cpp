@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
@@ -43,6 +44,7 @@ class Growth {
     is_team_ = true;
     for (size_t k = 0; k < whole.size(); k++) {
       FusionMember& member = result_.members[whole[k]] = std::move(placed[k]);
+      for (FusionLink& link : member.links) link.with = whole[link.with];
       if (member.joined && whole[k] != joined_.front()) join(whole[k]);
     }
   }
@@ -52,6 +54,8 @@ class Growth {
       while (const auto next = mostProbable(even_rejected)) join(*next);
     for (size_t i = 0; i < maps_.size(); i++)
       if (maps_[i].map.isEdgesAlone()) matchWithJoined(i);
+    for (FusionMember& member : result_.members)
+      if (!member.joined) member.links.clear();
     result_.map = fused();
     return std::move(result_);
   }
@@ -80,6 +84,7 @@ class Growth {
     FusionMember& member = result_.members[i];
     member.alignment = std::move(match);
     member.matched_with = maps_[j].robot;
+    member.links = {{j, member.alignment.match.T_a_b, member.alignment.match.covariance}};
     const bool is_first = j == joined_.front();
     member.pose =
         is_first ? member.alignment.pose() : result_.members[j].pose + member.alignment.pose();
@@ -129,8 +134,28 @@ class Growth {
 
 }  // namespace
 
-ManyFused fuseMaps(const std::vector<RobotMap>& maps, const Options& options, bool even_rejected,
-                   const OnMember& on_member, const OnIteration& on_iteration) {
+namespace {
+
+/** Returns the indices of the maps in an order that does not depend on the order of the input, but
+ * for the first whole map, which keeps its frame: the first whole map, then by name, then by
+ * content. */
+std::vector<size_t> canonicalOrder(const std::vector<RobotMap>& maps) {
+  std::vector<size_t> order(maps.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  const auto first = std::find_if(order.begin(), order.end(),
+                                  [&](size_t i) { return !maps[i].map.isEdgesAlone(); });
+  if (first != order.end()) std::rotate(order.begin(), first, first + 1);
+  const auto is_before = [&](size_t i, size_t j) {
+    const RobotMap &m = maps[i], &n = maps[j];
+    if (m.robot != n.robot) return m.robot < n.robot;
+    return m.map.contentHash() < n.map.contentHash();
+  };
+  if (!order.empty()) std::stable_sort(order.begin() + 1, order.end(), is_before);
+  return order;
+}
+
+ManyFused fuseInOrder(const std::vector<RobotMap>& maps, const Options& options, bool even_rejected,
+                      const OnMember& on_member, const OnIteration& on_iteration) {
   Growth growth(maps, options, on_member, on_iteration);
   std::vector<size_t> whole;
   for (size_t i = 0; i < maps.size(); i++)
@@ -141,6 +166,23 @@ ManyFused fuseMaps(const std::vector<RobotMap>& maps, const Options& options, bo
     growth.joinTeam(whole, placeTeam(of_team, options, on_member));
   }
   return growth.run(even_rejected);
+}
+
+}  // namespace
+
+ManyFused fuseMaps(const std::vector<RobotMap>& maps, const Options& options, bool even_rejected,
+                   const OnMember& on_member, const OnIteration& on_iteration) {
+  const std::vector<size_t> order = canonicalOrder(maps);
+  std::vector<RobotMap> in_order;
+  for (const size_t i : order) in_order.push_back(maps[i]);
+  ManyFused result = fuseInOrder(in_order, options, even_rejected, on_member, on_iteration);
+  std::vector<FusionMember> members(maps.size());
+  for (size_t k = 0; k < order.size(); k++) {
+    for (FusionLink& link : result.members[k].links) link.with = order[link.with];
+    members[order[k]] = std::move(result.members[k]);
+  }
+  result.members = std::move(members);
+  return result;
 }
 
 }  // namespace mrpt::fusion

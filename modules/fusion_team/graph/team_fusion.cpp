@@ -12,6 +12,7 @@
 #include "fusion_base/error_text.h"
 #include "fusion_core/pair/align_from.h"
 #include "fusion_team/graph/joint_verdict.h"
+#include "fusion_team/graph/team_links.h"
 #include "fusion_team/pairs/pair_matches.h"
 
 namespace mrpt::fusion {
@@ -116,6 +117,7 @@ std::vector<FusionMember> placeTeam(const std::vector<RobotMap>& maps, const Opt
     e.runner_up = p.runner_up;
     e.is_ambiguous = !p.placed && p.runner_up > params.max_runner_up;
   });
+  addLinks(maps, options, placed, matches, evidence, executor, members);
   // A map follows its partner, which is placed.
   std::vector<size_t> order{0};
   for (size_t next = 0; next < order.size(); next++)

@@ -22,9 +22,22 @@ double exceededBy(double share, std::vector<double> values) {
   return *value;
 }
 
+/** Returns the prior of A's pose in B's frame. */
+Prior inverseOf(const Prior& prior) {
+  if (prior.isNone()) return Prior::none();
+  if (!prior.statesCovariance()) return Prior::near(-prior.guess());
+  mrpt::poses::CPose3DPDFGaussian inverse;
+  prior.pdf().inverse(inverse);
+  return Prior::gaussian(inverse);
+}
+
 }  // namespace
 
 Prior priorOf(const RobotMap& map, const RobotMap& in) {
+  for (const PoseGuess& guess : map.guesses)
+    if (guess.robot == in.robot) return guess.prior;
+  for (const PoseGuess& guess : in.guesses)
+    if (guess.robot == map.robot) return inverseOf(guess.prior);
   const double unknown = kUnknownPoseSigma * kUnknownPoseSigma;
   for (const auto& cov : {map.pose.cov, in.pose.cov})
     if (cov(0, 0) >= unknown) return Prior::none();

@@ -15,12 +15,28 @@
 
 namespace mrpt::fusion {
 
+/** Knowledge of a map's pose in the frame of another robot's map. */
+struct PoseGuess {
+  std::string robot;  ///< Name of the other robot; its map is A
+  Prior prior;        ///< Pose of the map in A's frame
+};
+
 /** One robot's map. */
 struct RobotMap {
   std::string robot;  ///< Name of the robot
   PreparedMap map;    ///< Map of the robot, prepared with the features of the options
   /** Pose of the map's frame in a common frame; noGuess() if unknown. */
   mrpt::poses::CPose3DPDFGaussian pose = noGuess();
+  /** Guesses for single pairs. The guess of a pair replaces what \a pose says of it. */
+  std::vector<PoseGuess> guesses = {};
+};
+
+/** A match that holds a map in its place. */
+struct FusionLink {
+  size_t with =
+      0;  ///< Index of the member whose map is A. Map B is that of the member with the link
+  Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();  ///< Measured pose of map B in A's frame
+  Matrix6d covariance = Matrix6d::Zero();                   ///< See MatchResult::covariance
 };
 
 /** The result for one robot's map. */
@@ -30,6 +46,9 @@ struct FusionMember {
   mrpt::poses::CPose3DPDFGaussian pose;  ///< Pose in the frame of the fused map, if known
   std::string matched_with;  ///< Robot whose map is A of the alignment; empty for the first map
   Alignment alignment;       ///< Best match; the pose is in the frame of \a matched_with
+  /** Matches that hold the map in its place, if it has joined. A match of two maps is a link of one
+   * of both. The first link is \a alignment. */
+  std::vector<FusionLink> links;
 
   /** True except for the first map. The first map keeps its frame; all other maps are matched. */
   bool hasMatch() const { return alignment.voxels_b > 0; }
@@ -52,7 +71,8 @@ using OnMember = std::function<void(const std::string& robot, size_t joined)>;
  * place agrees nearly as well, and if a loop of matches confirms its place or a match is sure
  * without a loop, see doc/decisions/037-team.md. So a match that would be rejected alone can join,
  * and a match that would be accepted alone can be rejected. Maps that have only edges are matched
- * last, for their poses. Cost: n (n-1) / 2 matches for n maps, and a search of the poses.
+ * last, for their poses. The first whole map keeps its frame; the order of the other maps does not
+ * change the result. Cost: n (n-1) / 2 matches for n maps, and a search of the poses.
  * \param[in] maps One map of each robot.
  * \param[in] options Parameters of all stages.
  * \param[in] even_rejected If true, maps that have not joined are matched with all joined maps,
