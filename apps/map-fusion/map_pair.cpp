@@ -33,11 +33,10 @@ namespace map_fusion {
 namespace {
 
 /** Returns what the arguments say about the pose of B in A. */
-mrpt::fusion::Prior priorOf(const RunContext& run) {
+mrpt::fusion::Prior priorOf(const RunContext& run, const MapPair& pair) {
   using mrpt::fusion::Prior;
   const auto& sigma = run.args.init_sigma;
-  if (!run.args.priors.empty())
-    return loadPriors(run.args.priors, run.args.maps.size()).of(0, 1).value_or(Prior::none());
+  if (pair.prior) return *pair.prior;
   if (!run.report.initial_pose) return Prior::none();
   if (sigma.empty()) return Prior::near(*run.report.initial_pose);
   mrpt::poses::CPose3DPDFGaussian guess(*run.report.initial_pose);
@@ -101,6 +100,8 @@ MapPair loadPair(RunContext& run) {
   if (!run.args.init.empty()) run.report.initial_pose = parsePose(run.args.init);
   if (!run.args.pose.empty()) run.report.pose.emplace().mean = parsePose(run.args.pose);
   MapPair pair;
+  if (!run.args.priors.empty())
+    pair.prior = loadPriors(run.args.priors, run.args.maps.size()).of(0, 1);
   pair.a = loadMap(run, "a", run.args.maps[0]);
   pair.b = loadMap(run, "b", run.args.maps[1]);
   return pair;
@@ -120,7 +121,7 @@ bool matchPair(RunContext& run, const MapPair& pair) {
   run.progress.show("extracting edges");
   const auto [a, b] = preparePair(run, pair);
   run.endStep("features");
-  run.report.match = mrpt::fusion::align(a, b, priorOf(run), run.options, run.on_iteration);
+  run.report.match = mrpt::fusion::align(a, b, priorOf(run, pair), run.options, run.on_iteration);
   if (fitsWithoutCommonVertical(run, a, b))
     run.report.match->evaluation.reasons.emplace_back(
         "the maps fit if up is another direction in map B: pass --full-6dof");

@@ -4,6 +4,7 @@
 #include <mrpt/fusion/prepared_map.h>
 
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "mrpt_maps.h"
@@ -17,6 +18,7 @@ namespace map_fusion {
 /** The maps of a run on two maps. */
 struct MapPair {
   LoadedMap a, b;
+  std::optional<mrpt::fusion::Prior> prior;      ///< Guess of a g2o file
   std::shared_ptr<const octomap::OcTree> fused;  ///< Null: nothing was merged
 };
 

@@ -118,7 +118,7 @@ class MapsOfModule : public MrptMaps {
     for (const auto& v : poses.vertices) graph.nodes[v.id] = mrpt::fusion::toPose(v.pose);
     if (!poses.vertices.empty()) graph.root = poses.vertices.front().id;
     for (const auto& e : poses.edges) {
-      const auto covariance = toYawPitchRollCovariance(e.covariance, e.T_a_b);
+      const auto covariance = mrpt::fusion::toYawPitchRollCovariance(e.covariance, e.T_a_b);
       graph.insertEdgeAtEnd(
           e.a, e.b,
           mrpt::poses::CPose3DPDFGaussianInf(

@@ -104,7 +104,7 @@ void parseEdge(const std::vector<std::string>& words, size_t maps, Priors& prior
   // A right perturbation of a pose is a left perturbation of its inverse.
   const bool is_forward = from < to;
   const Eigen::Isometry3d T_a_b = is_forward ? T : T.inverse();
-  const Matrix6d left = is_forward ? toLeftCovariance(right, T) : right;
+  const Matrix6d left = is_forward ? mrpt::fusion::toLeftCovariance(right, T) : right;
   mrpt::poses::CPose3DPDFGaussian guess(mrpt::fusion::toPose(T_a_b));
   guess.cov = mrpt::math::CMatrixDouble66(mrpt::fusion::toYawPitchRollCovariance(left, T_a_b));
   const auto pair = std::minmax(from, to);
