@@ -36,6 +36,7 @@ ALLOWED[PYTHON] = ALLOWED[FUSION] | {FUSION, REPORT}
 # Rooms of the public headers, by the room whose sources define what they declare.
 PUBLIC = {
     "mrpt/fusion/export.h": BASE,
+    "mrpt/fusion/sources.h": OCTREE,
     "mrpt/fusion/voxels.h": MAP,
     "mrpt/fusion/statistics.h": MAP,
     "mrpt/fusion/edges.h": FEATURES,

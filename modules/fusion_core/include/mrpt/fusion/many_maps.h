@@ -3,6 +3,8 @@
 
 #include <mrpt/fusion/alignment.h>
 #include <mrpt/fusion/export.h>
+#include <mrpt/fusion/merging.h>
+#include <mrpt/fusion/sources.h>
 
 #include <cstddef>
 #include <functional>
@@ -46,6 +48,8 @@ struct FusionMember {
   mrpt::poses::CPose3DPDFGaussian pose;  ///< Pose in the frame of the fused map, if known
   std::string matched_with;  ///< Robot whose map is A of the alignment; empty for the first map
   Alignment alignment;       ///< Best match; the pose is in the frame of \a matched_with
+  Counting counting = Counting::All;  ///< How the map counts in the fused map, if it has joined
+  std::string counted_with;  ///< Robot whose map has the same sources; empty if all observations count
   /** Matches that hold the map in its place, if it has joined. A match of two maps is a link of one
    * of both. The first link is \a alignment. */
   std::vector<FusionLink> links;
@@ -58,6 +62,7 @@ struct FusionMember {
 struct ManyFused {
   std::unique_ptr<octomap::OcTree> map;  ///< Fused map, in the frame of the first whole map
   std::vector<FusionMember> members;     ///< Result of each map, in the order of the input
+  Sources sources;                       ///< Sources of the maps that have joined
 };
 
 /** Called before each match with a robot and the number of maps that the robot is matched with,
@@ -72,7 +77,8 @@ using OnMember = std::function<void(const std::string& robot, size_t joined)>;
  * without a loop, see doc/decisions/037-team.md. So a match that would be rejected alone can join,
  * and a match that would be accepted alone can be rejected. Maps that have only edges are matched
  * last, for their poses. The first whole map keeps its frame; the order of the other maps does not
- * change the result. Cost: n (n-1) / 2 matches for n maps, and a search of the poses.
+ * change the result. No observation counts twice, see Counting, unless options.merge.independent
+ * says so. Cost: n (n-1) / 2 matches for n maps, and a search of the poses.
  * \param[in] maps One map of each robot.
  * \param[in] options Parameters of all stages.
  * \param[in] even_rejected If true, maps that have not joined are matched with all joined maps,
@@ -84,5 +90,31 @@ using OnMember = std::function<void(const std::string& robot, size_t joined)>;
 MRPT_FUSION_API ManyFused fuseMaps(const std::vector<RobotMap>& maps, const Options& options,
                                    bool even_rejected = false, const OnMember& on_member = {},
                                    const OnIteration& on_iteration = {});
+
+/** A map and its sources. */
+struct SourcedMap {
+  const octomap::OcTree& map;  ///< The map. Not owned
+  Sources sources = {};        ///< Its sources; empty: the map is a source of its own
+};
+
+/** The result of mergeSources(). */
+struct MergedSources {
+  std::unique_ptr<octomap::OcTree> map;  ///< Fused map
+  Counting of_a = Counting::All;         ///< How map A counts
+  Counting of_b = Counting::All;         ///< How map B counts
+  Sources sources;                       ///< Sources of both maps
+};
+
+/** Merges two maps so that no observation counts twice. Maps without a common source are merged by
+ * mergeMaps(). If one map holds all sources of the other map, the result is this map, in A's frame.
+ * \param[in] a,b The maps.
+ * \param[in] T_a_b Pose of map B in A's frame.
+ * \param[in] params The policy. If `independent` is set, both maps count.
+ * \param[in] is_given True if the user gives the pose. Maps with the same voxels are one source
+ * then only if the pose moves no point of B by half a voxel: at another pose both count.
+ * \exception std::exception As mergeMaps(). */
+MRPT_FUSION_API MergedSources mergeSources(const SourcedMap& a, const SourcedMap& b,
+                                           const Eigen::Isometry3d& T_a_b,
+                                           const MergeParams& params, bool is_given = false);
 
 }  // namespace mrpt::fusion
