@@ -135,6 +135,11 @@ class CommandLine {
                     "rule for the value of a voxel that both maps know (default: as in the "
                     "settings)")
         ->check(CLI::IsMember({"relative_entropy", "average", "stitch", "bayes"}));
+    sub->add_flag(
+        "--independent", args_.independent,
+        "count all observations of all maps. Without --independent, no observation counts "
+        "twice: not those of maps with the same voxels, and not those of a map that a "
+        "fused map in an MRPT-serialized file or a mission already holds");
   }
 
  private:

@@ -32,6 +32,7 @@ struct Arguments {
                                                ///< without a header have no other voxel size
   unsigned threads = 0;                        ///< Number of threads; 0: all cores
   bool edges_only = false;                     ///< Write structural edges, not maps
+  bool independent = false;                    ///< Maps with the same sources all count
   bool force = false;                          ///< Merge rejected matches, too
   bool quiet = false;                          ///< Print neither summary nor progress
   bool verbose = false;                        ///< Print each iteration

@@ -6,7 +6,7 @@
 
 #include <mrpt/fusion/alignment.h>
 #include <mrpt/fusion/edges.h>
-#include <mrpt/fusion/merging.h>
+#include <mrpt/fusion/many_maps.h>
 #include <mrpt/fusion/poses.h>
 #include <mrpt/fusion/voxels.h>
 #include <tbb/parallel_invoke.h>
@@ -139,13 +139,19 @@ bool matchPair(RunContext& run, const MapPair& pair) {
 void mergePair(RunContext& run, MapPair& pair) {
   run.progress.show("merging");
   choosePolicy(run);
-  pair.fused = mrpt::fusion::withPath(run.args.maps[1], [&] {
-    return mrpt::fusion::mergeMaps(pair.a.wholeMap(), pair.b.wholeMap(),
-                                   toEigen(run.report.pose->mean), run.options.merge);
+  const bool is_given = !run.args.pose.empty();
+  auto merged = mrpt::fusion::withPath(run.args.maps[1], [&] {
+    return mrpt::fusion::mergeSources({pair.a.wholeMap(), pair.a.sources},
+                                      {pair.b.wholeMap(), pair.b.sources},
+                                      toEigen(run.report.pose->mean), run.options.merge, is_given);
   });
+  pair.fused = std::move(merged.map);
   run.progress.clear();
+  run.report.counting = {merged.of_a, merged.of_b};
+  noteCounting(run, run.args.maps[0], merged.of_a, run.args.maps[1]);
+  noteCounting(run, run.args.maps[1], merged.of_b, run.args.maps[0]);
   run.endStep("merge");
-  saveFused(run, pair.fused);
+  saveFused(run, pair.fused, merged.sources);
 }
 
 void drawPair(RunContext& run, const MapPair& pair) {
@@ -154,16 +160,37 @@ void drawPair(RunContext& run, const MapPair& pair) {
 }
 
 void choosePolicy(RunContext& run) {
+  run.options.merge.independent = run.args.independent;
   for (const auto& [policy, name] : mrpt::fusion::mergePolicyNames())
     if (run.args.policy == name) run.options.merge.policy = policy;
   for (const auto& [policy, name] : mrpt::fusion::mergePolicyNames())
     if (run.options.merge.policy == policy) run.report.policy = name;
 }
 
-void saveFused(RunContext& run, const std::shared_ptr<const octomap::OcTree>& fused) {
-  saveMap(fused, run.args.output);
+void noteCounting(RunContext& run, const std::string& map, mrpt::fusion::Counting counting,
+                  const std::string& with) {
+  using mrpt::fusion::Counting;
+  switch (counting) {
+    case Counting::All:
+      return;
+    case Counting::UnknownSpace:
+      return run.note(map + ": some of its sources are in " + with +
+                      ": it adds only space that other maps do not know (--independent adds all)");
+    case Counting::None:
+      return run.note(map + ": all of its sources are in " + with +
+                      ": nothing is added (--independent adds all)");
+    case Counting::Copy:
+      return run.note(map + ": has the same voxels as " + with +
+                      ": both are one source and count once (--independent counts both)");
+  }
+}
+
+void saveFused(RunContext& run, const std::shared_ptr<const octomap::OcTree>& fused,
+               const mrpt::fusion::Sources& sources) {
+  saveMap(fused, run.args.output, sources);
   run.endStep("save");
   run.report.maps.push_back(mrpt::fusion::reportOn("fused", run.args.output, *fused));
+  run.report.maps.back().sources = sources;
 }
 
 }  // namespace map_fusion

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "mrpt_maps.h"
@@ -41,7 +42,13 @@ void drawPair(RunContext& run, const MapPair& pair);
 /** Applies the merge policy of the arguments, and reports it. */
 void choosePolicy(RunContext& run);
 
-/** Saves a fused map, and reports on it. */
-void saveFused(RunContext& run, const std::shared_ptr<const octomap::OcTree>& fused);
+/** Notes if not all observations of a map count. \param[in] with Name of the map with the same
+ * sources. */
+void noteCounting(RunContext& run, const std::string& map, mrpt::fusion::Counting counting,
+                  const std::string& with);
+
+/** Saves a fused map with its sources, and reports on it. */
+void saveFused(RunContext& run, const std::shared_ptr<const octomap::OcTree>& fused,
+               const mrpt::fusion::Sources& sources);
 
 }  // namespace map_fusion

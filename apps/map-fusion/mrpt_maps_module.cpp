@@ -37,15 +37,20 @@ LoadedMap workable(const CMetricMap::Ptr& map) {
   if (!octomap)
     throw std::runtime_error(std::string("a ") + map->GetRuntimeClass()->className +
                              " is not, and holds no, 3-D occupancy map");
-  return {
-      {octomap, &octomap->octree()}, nullptr, std::const_pointer_cast<CProbOctoMap>(octomap), {}};
+  return {{octomap, &octomap->octree()},
+          nullptr,
+          std::const_pointer_cast<CProbOctoMap>(octomap),
+          {},
+          octomap->sources()};
 }
 
 /** Returns the map as it was read, or else as one of our classes. */
 CMetricMap::Ptr mrptMapOf(const LoadedMap& map) {
   if (map.mrpt) return map.mrpt;
   if (map.edges) return std::make_shared<CEdgeVoxelMap>(*map.edges);
-  return std::make_shared<CProbOctoMap>(*map.octree);
+  auto octomap = std::make_shared<CProbOctoMap>(*map.octree);
+  octomap->setSources(map.sources);
+  return octomap;
 }
 
 /** \param[out] notes Receives the notes. It must outlive the result. */
@@ -76,6 +81,8 @@ class MapsOfModule : public MrptMaps {
       robot.name = sent->sensorLabel;
       robot.map = mrpt::fusion::withPath(path, [&] { return workable(sent->map); });
       robot.map.mrpt = sent->map;
+      if (robot.map.sources.empty())
+        robot.map.sources = {{sent->sensorLabel, {}, sent->sequence, 0}};
       robot.pose = sent->pose;
       robot.sent = sent;
     }

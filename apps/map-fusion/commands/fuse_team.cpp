@@ -70,8 +70,10 @@ bool runFuseTeam(RunContext& run) {
   const bool is_mergeable = std::any_of(members.begin(), members.end(), [](const FusionMember& m) {
     return m.hasMatch() && !m.alignment.by_edges;
   });
+  for (const FusionMember& m : members)
+    if (m.joined && joined > 1) noteCounting(run, m.robot, m.counting, m.counted_with);
   if (joined > 1)
-    saveFused(run, std::move(result.map));
+    saveFused(run, std::move(result.map), result.sources);
   else if (is_mergeable)
     std::cerr << "map-fusion: all matches are rejected, nothing was merged (--force merges)\n";
   else

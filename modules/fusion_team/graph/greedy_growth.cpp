@@ -56,7 +56,7 @@ class Growth {
       if (maps_[i].map.isEdgesAlone()) matchWithJoined(i);
     for (FusionMember& member : result_.members)
       if (!member.joined) member.links.clear();
-    result_.map = fused();
+    fuseJoined();
     return std::move(result_);
   }
 
@@ -109,17 +109,27 @@ class Growth {
     joined_.push_back(i);
   }
 
-  /** Returns the map of all joined maps. It does not depend on the order in which they joined. */
-  std::unique_ptr<octomap::OcTree> fused() const {
-    if (joined_.size() < 2)
-      return std::make_unique<octomap::OcTree>(maps_[joined_.front()].map.wholeMap());
+  Sources sourcesOf(size_t i) const {
+    const Sources& known = maps_[i].map.sources();
+    return known.empty() ? Sources{{{}, maps_[i].robot, 0, 0}} : known;
+  }
+
+  /** Makes the map of all joined maps. It does not depend on the order in which they joined. */
+  void fuseJoined() {
     // The number tells robots of one name apart.
     const auto nameOf = [&](size_t i) { return SourceName{maps_[i].robot, std::to_string(i)}; };
-    Ledger ledger({options_.merge, nameOf(joined_.front()), false});
+    Ledger ledger({options_.merge, nameOf(joined_.front()), options_.merge.independent});
     for (const size_t i : joined_)
-      ledger.add(Source(nameOf(i), 0, maps_[i].map.octree()),
+      ledger.add(Source(nameOf(i), 0, maps_[i].map.octree(), sourcesOf(i)),
                  toEigen(result_.members[i].pose.mean));
-    return std::make_unique<octomap::OcTree>(*ledger.map());
+    for (const LedgerEntry& entry : ledger.entries()) {
+      addSources(entry.source.parts(), result_.sources);
+      FusionMember& member = result_.members[std::stoul(entry.source.name().map)];
+      member.counting = entry.counting;
+      if (entry.with) member.counted_with = entry.with->robot;
+    }
+    result_.map = std::make_unique<octomap::OcTree>(
+        joined_.size() < 2 ? maps_[joined_.front()].map.wholeMap() : *ledger.map());
   }
 
   const std::vector<RobotMap>& maps_;

@@ -61,7 +61,10 @@ class CombiningVisitor {
                    const OcTree& before, const TouchedSpace& touched)
       : maps_(maps),
         counting_(counting),
-        params_(params), model_(model), before_(before), touched_(touched) {}
+        params_(params),
+        model_(model),
+        before_(before),
+        touched_(touched) {}
 
   State rootState() {
     State s(stack_, before_.getRoot(), shareOf({}, before_.getRoot()));

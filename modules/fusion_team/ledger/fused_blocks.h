@@ -44,8 +44,7 @@ float combineLogOdds(const float* values, size_t n, const MergeParams& params, f
  * Cost: one traversal of \a maps in the touched blocks, and of \a before elsewhere. */
 std::unique_ptr<octomap::OcTree> combineOcTrees(
     const std::vector<std::shared_ptr<const octomap::OcTree>>& maps, size_t counting,
-    const MergeParams& params,
-    const OcTreeAccess::SensorModel& model, const octomap::OcTree& before,
-    const TouchedSpace& touched);
+    const MergeParams& params, const OcTreeAccess::SensorModel& model,
+    const octomap::OcTree& before, const TouchedSpace& touched);
 
 }  // namespace mrpt::fusion

@@ -38,10 +38,12 @@ MergedSources mergeSources(const SourcedMap& a, const SourcedMap& b, const Eigen
   addSources(source_a.parts(), result.sources);
   addSources(source_b.parts(), result.sources);
   auto shares = sharesOf({&source_a.parts(), &source_b.parts()});
-  const bool is_copy = shares[1].counting == Counting::Copy;
-  if (params.independent || (is_copy && is_given && !keepsItsPlace(b.map, T_a_b))) shares = {{}, {}};
+  const bool is_copy = source_a.contentHash() == source_b.contentHash();
+  if (params.independent || (is_copy && is_given && !keepsItsPlace(b.map, T_a_b)))
+    shares = {{}, {}};
   result.of_a = shares[0].counting;
   result.of_b = shares[1].counting;
+  if (is_copy && result.of_b == Counting::None) result.of_b = Counting::Copy;
   if (result.of_a == Counting::All && result.of_b == Counting::All) {
     result.map = mergeMaps(a.map, b.map, T_a_b, params);
     return result;

@@ -20,6 +20,8 @@ Source::Source(SourceName name, uint64_t sequence, std::shared_ptr<const octomap
   if (!map_) throw std::invalid_argument("a source needs a map");
   content_hash_ = voxelHash(*map_);
   if (parts_.empty()) parts_.push_back({{}, {}, 0, content_hash_});
+  for (SourceId& part : parts_)
+    if (part.content_hash == 0) part.content_hash = content_hash_;
 }
 
 }  // namespace mrpt::fusion

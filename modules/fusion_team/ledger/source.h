@@ -33,7 +33,8 @@ class Source {
    * \param[in] sequence Number of the version. A newer version has a higher number.
    * \param[in] map The map. It is shared and must not change afterwards.
    * \param[in] parts Sources of the map, if it is a fused map. Empty: the map is a source of its
-   * own, of an unknown robot, so that only a map with the same voxels is the same source.
+   * own, of an unknown robot, so that only a map with the same voxels is the same source. A content
+   * hash of 0 becomes that of the map.
    * \exception std::invalid_argument If the map is null. */
   Source(SourceName name, uint64_t sequence, std::shared_ptr<const octomap::OcTree> map,
          Sources parts = {});

@@ -3,7 +3,7 @@
  * Tests of one map that grows by the maps that meet it. */
 #include <gtest/gtest.h>
 #include <mrpt/fusion/many_maps.h>
-#include <mrpt/fusion/statistics.h>
+#include <mrpt/fusion/voxels.h>
 
 #include <algorithm>
 #include <cstddef>

@@ -49,7 +49,8 @@ struct FusionMember {
   std::string matched_with;  ///< Robot whose map is A of the alignment; empty for the first map
   Alignment alignment;       ///< Best match; the pose is in the frame of \a matched_with
   Counting counting = Counting::All;  ///< How the map counts in the fused map, if it has joined
-  std::string counted_with;  ///< Robot whose map has the same sources; empty if all observations count
+  std::string
+      counted_with;  ///< Robot whose map has the same sources; empty if all observations count
   /** Matches that hold the map in its place, if it has joined. A match of two maps is a link of one
    * of both. The first link is \a alignment. */
   std::vector<FusionLink> links;

@@ -12,10 +12,12 @@ namespace mrpt::fusion {
 
 /** Identity of a source: one version of the map of one robot, as it came. */
 struct SourceId {
-  std::string robot;          ///< Name of the robot; empty if unknown, as for the file of an octree
-  std::string map;            ///< Name of the map among the maps of the robot; may be empty
-  uint64_t sequence = 0;      ///< Number of the version. The highest is the latest
-  uint64_t content_hash = 0;  ///< Hash of the resolution and of the log-odds of all voxels
+  std::string robot;      ///< Name of the robot; empty if unknown, as for the file of an octree
+  std::string map;        ///< Name of the map among the maps of the robot; may be empty
+  uint64_t sequence = 0;  ///< Number of the version. The highest is the latest
+  /** Hash of the resolution and of the log-odds of all voxels. 0: that of the map that has this
+   * source. */
+  uint64_t content_hash = 0;
 
   bool operator==(const SourceId& o) const {
     return content_hash == o.content_hash && sequence == o.sequence && robot == o.robot &&
