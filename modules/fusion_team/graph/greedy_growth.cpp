@@ -5,6 +5,7 @@
 #include <mrpt/fusion/many_maps.h>
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "fusion_base/error_text.h"
+#include "fusion_team/graph/fuse_with_memory.h"
 #include "fusion_team/graph/team_fusion.h"
 #include "fusion_team/ledger/ledger.h"
 #include "fusion_team/pairs/pair_matches.h"
@@ -23,10 +25,11 @@ namespace {
 /** The growth of the first map by other maps. */
 class Growth {
  public:
-  Growth(const std::vector<RobotMap>& maps, const Options& options, const OnMember& on_member,
-         const OnIteration& on_iteration)
+  Growth(const std::vector<RobotMap>& maps, const Options& options, TeamMemory& memory,
+         const OnMember& on_member, const OnIteration& on_iteration)
       : maps_(maps),
         options_(options),
+        memory_(memory),
         on_member_(on_member),
         on_iteration_(on_iteration),
         is_matched_(maps.size(), std::vector<bool>(maps.size(), false)) {
@@ -49,7 +52,7 @@ class Growth {
     }
   }
 
-  ManyFused run(bool even_rejected) {
+  TeamState run(bool even_rejected) {
     if (!is_team_ || even_rejected)  // a team has compared all its maps
       while (const auto next = mostProbable(even_rejected)) join(*next);
     for (size_t i = 0; i < maps_.size(); i++)
@@ -68,8 +71,10 @@ class Growth {
       is_matched_[i][j] = true;
       if (on_member_) on_member_(maps_[i].robot, joined_.size());
       withPath(maps_[i].robot, [&] {
-        Alignment match =
-            align(maps_[j].map, maps_[i].map, priorOf(maps_[i], maps_[j]), options_, on_iteration_);
+        const PreparedMap &a = maps_[j].map, &b = maps_[i].map;
+        const Prior prior = priorOf(maps_[i], maps_[j]);
+        Alignment match = memory_.pairs.match(
+            a, b, prior, [&] { return align(a, b, prior, options_, on_iteration_); });
         if (isBetter(match, result_.members[i])) keep(std::move(match), i, j);
       });
     }
@@ -114,32 +119,55 @@ class Growth {
     return known.empty() ? Sources{{{}, maps_[i].robot, 0, 0}} : known;
   }
 
+  /** Returns the name of a map in the ledger. The number tells robots of one name apart. */
+  SourceName nameOf(size_t i) const {
+    const bool is_twice = std::count_if(maps_.begin(), maps_.end(), [&](const RobotMap& m) {
+                            return m.robot == maps_[i].robot;
+                          }) > 1;
+    return {maps_[i].robot, is_twice ? std::to_string(i) : std::string()};
+  }
+
+  /** Makes the ledger hold the joined maps at their poses. \return The maps by their names. */
+  std::map<SourceName, size_t> updateLedger() {
+    const SourceName reference = nameOf(joined_.front());
+    if (!memory_.ledger || !(memory_.reference == reference))
+      memory_.ledger.emplace(LedgerParams{options_.merge, reference, options_.merge.independent});
+    memory_.reference = reference;
+    Ledger& ledger = *memory_.ledger;
+    std::map<SourceName, size_t> maps;
+    for (const size_t i : joined_) maps[nameOf(i)] = i;
+    for (const LedgerEntry& entry : ledger.entries())
+      if (!maps.count(entry.source.name())) ledger.remove(entry.source.name());
+    for (const auto& [name, i] : maps) {
+      const Eigen::Isometry3d pose = toEigen(result_.members[i].pose.mean);
+      if (!ledger.holds(name, maps_[i].map.octree(), sourcesOf(i)))
+        ledger.add(Source(name, ++memory_.sequence, maps_[i].map.octree(), sourcesOf(i)), pose);
+      ledger.move(name, pose);
+    }
+    return maps;
+  }
+
   /** Makes the map of all joined maps. It does not depend on the order in which they joined. */
   void fuseJoined() {
-    // The number tells robots of one name apart.
-    const auto nameOf = [&](size_t i) { return SourceName{maps_[i].robot, std::to_string(i)}; };
-    Ledger ledger({options_.merge, nameOf(joined_.front()), options_.merge.independent});
-    for (const size_t i : joined_)
-      ledger.add(Source(nameOf(i), 0, maps_[i].map.octree(), sourcesOf(i)),
-                 toEigen(result_.members[i].pose.mean));
-    for (const LedgerEntry& entry : ledger.entries()) {
+    const auto maps = updateLedger();
+    for (const LedgerEntry& entry : memory_.ledger->entries()) {
       addSources(entry.source.parts(), result_.sources);
-      FusionMember& member = result_.members[std::stoul(entry.source.name().map)];
+      FusionMember& member = result_.members[maps.at(entry.source.name())];
       member.counting = entry.counting;
       if (entry.with) member.counted_with = entry.with->robot;
     }
-    result_.map = std::make_unique<octomap::OcTree>(
-        joined_.size() < 2 ? maps_[joined_.front()].map.wholeMap() : *ledger.map());
+    result_.map = joined_.size() < 2 ? maps_[joined_.front()].map.octree() : memory_.ledger->map();
   }
 
   const std::vector<RobotMap>& maps_;
   const Options& options_;
+  TeamMemory& memory_;
   const OnMember& on_member_;
   const OnIteration& on_iteration_;
   std::vector<std::vector<bool>> is_matched_;  // by the indices of both maps
   std::vector<size_t> joined_;  // joined maps in their order; the first map keeps its frame
   bool is_team_ = false;        // true after joinTeam()
-  ManyFused result_;
+  TeamState result_;
 };
 
 }  // namespace
@@ -164,28 +192,31 @@ std::vector<size_t> canonicalOrder(const std::vector<RobotMap>& maps) {
   return order;
 }
 
-ManyFused fuseInOrder(const std::vector<RobotMap>& maps, const Options& options, bool even_rejected,
-                      const OnMember& on_member, const OnIteration& on_iteration) {
-  Growth growth(maps, options, on_member, on_iteration);
+TeamState fuseInOrder(const std::vector<RobotMap>& maps, const Options& options,
+                      TeamMemory& memory, bool even_rejected, const OnMember& on_member,
+                      const OnIteration& on_iteration) {
+  Growth growth(maps, options, memory, on_member, on_iteration);
   std::vector<size_t> whole;
   for (size_t i = 0; i < maps.size(); i++)
     if (!maps[i].map.isEdgesAlone()) whole.push_back(i);
   if (whole.size() > 2) {
     std::vector<RobotMap> of_team;
     for (const size_t i : whole) of_team.push_back(maps[i]);
-    growth.joinTeam(whole, placeTeam(of_team, options, on_member));
+    growth.joinTeam(whole, placeTeam(of_team, options, on_member, memory.pairs));
   }
   return growth.run(even_rejected);
 }
 
 }  // namespace
 
-ManyFused fuseMaps(const std::vector<RobotMap>& maps, const Options& options, bool even_rejected,
-                   const OnMember& on_member, const OnIteration& on_iteration) {
+TeamState fuseWithMemory(const std::vector<RobotMap>& maps, const Options& options,
+                         TeamMemory& memory, bool even_rejected, const OnMember& on_member,
+                         const OnIteration& on_iteration) {
   const std::vector<size_t> order = canonicalOrder(maps);
   std::vector<RobotMap> in_order;
   for (const size_t i : order) in_order.push_back(maps[i]);
-  ManyFused result = fuseInOrder(in_order, options, even_rejected, on_member, on_iteration);
+  TeamState result =
+      fuseInOrder(in_order, options, memory, even_rejected, on_member, on_iteration);
   std::vector<FusionMember> members(maps.size());
   for (size_t k = 0; k < order.size(); k++) {
     for (FusionLink& link : result.members[k].links) link.with = order[link.with];
@@ -193,6 +224,15 @@ ManyFused fuseMaps(const std::vector<RobotMap>& maps, const Options& options, bo
   }
   result.members = std::move(members);
   return result;
+}
+
+ManyFused fuseMaps(const std::vector<RobotMap>& maps, const Options& options, bool even_rejected,
+                   const OnMember& on_member, const OnIteration& on_iteration) {
+  TeamMemory memory;
+  TeamState state =
+      fuseWithMemory(maps, options, memory, even_rejected, on_member, on_iteration);
+  return {std::make_unique<octomap::OcTree>(*state.map), std::move(state.members),
+          std::move(state.sources)};
 }
 
 }  // namespace mrpt::fusion

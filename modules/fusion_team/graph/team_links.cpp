@@ -37,7 +37,7 @@ bool contains(const std::vector<size_t>& maps, size_t k) {
 
 void addLinks(const std::vector<RobotMap>& maps, const Options& options,
               const std::vector<PlacedMap>& placed, const std::vector<PairMatch>& matches,
-              const TeamEvidence& evidence, Executor& executor,
+              const TeamEvidence& evidence, Executor& executor, PairMemory& memory,
               std::vector<FusionMember>& members) {
   std::vector<std::pair<const PairMatch*, FusionLink>> loops;
   for (size_t k = 0; k < members.size(); k++) {
@@ -58,7 +58,9 @@ void addLinks(const std::vector<RobotMap>& maps, const Options& options,
     link.T_a_b = h.T_a_b;
     link.covariance = h.covariance;
     if (h.covariance.trace() < kUnknownVariance) return;
-    const Alignment registered = alignFrom(maps[m.a].map, maps[m.b].map, h.T_a_b, options);
+    const PreparedMap &map_a = maps[m.a].map, &map_b = maps[m.b].map;
+    const Alignment registered = memory.registration(
+        map_a, map_b, h.T_a_b, [&] { return alignFrom(map_a, map_b, h.T_a_b, options); });
     link.T_a_b = registered.match.T_a_b;
     link.covariance = registered.match.covariance;
   });

@@ -23,9 +23,11 @@ namespace mrpt::fusion {
  * \param[in] matches The matches of all pairs.
  * \param[in] evidence Evidence of all pairs.
  * \param[in] executor Where registrations run.
+ * \param[in,out] memory Registrations of earlier fusions.
  * \param[in,out] members The results, with the alignments of the placed maps. */
 void addLinks(const std::vector<RobotMap>& maps, const Options& options,
               const std::vector<PlacedMap>& placed, const std::vector<PairMatch>& matches,
-              const TeamEvidence& evidence, Executor& executor, std::vector<FusionMember>& members);
+              const TeamEvidence& evidence, Executor& executor, PairMemory& memory,
+              std::vector<FusionMember>& members);
 
 }  // namespace mrpt::fusion

@@ -85,6 +85,15 @@ bool Ledger::move(const SourceName& name, const Pose& T_fused_source) {
   return true;
 }
 
+bool Ledger::holds(const SourceName& name, const std::shared_ptr<const OcTree>& map,
+                   Sources parts) const {
+  const auto held = slots_.find(name);
+  if (held == slots_.end() || held->second.source.map() != map) return false;
+  for (SourceId& part : parts)
+    if (part.content_hash == 0) part.content_hash = held->second.source.contentHash();
+  return held->second.source.parts() == parts;
+}
+
 std::vector<std::pair<SourceName, Share>> Ledger::shares() const {
   std::vector<std::pair<SourceName, Share>> shares;
   std::vector<const Sources*> sources;

@@ -96,6 +96,9 @@ class Ledger {
    * \exception std::invalid_argument If the pose is not finite; nothing changes. */
   bool move(const SourceName& name, const std::optional<Eigen::Isometry3d>& T_fused_source);
 
+  /** True if the ledger holds a source with this octree, the same object, and these sources. */
+  bool holds(const SourceName& name, const std::shared_ptr<const octomap::OcTree>& map,
+             Sources parts) const;
   /** Returns all sources in the order of the combination. */
   std::vector<LedgerEntry> entries() const;
   /** Returns the fused map, null if no source is placed. The octree does not change afterwards: a

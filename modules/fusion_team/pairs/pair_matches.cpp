@@ -45,7 +45,8 @@ Prior priorOf(const RobotMap& map, const RobotMap& in) {
 }
 
 std::vector<PairMatch> matchPairs(const std::vector<RobotMap>& maps, const Options& options,
-                                  Executor& executor, const OnMember& on_member) {
+                                  Executor& executor, const OnMember& on_member,
+                                  PairMemory& memory) {
   std::vector<PairMatch> matches;
   for (size_t b = 0; b < maps.size(); b++)
     for (size_t a = 0; a < b; a++) matches.push_back({a, b, {}});
@@ -57,13 +58,16 @@ std::vector<PairMatch> matchPairs(const std::vector<RobotMap>& maps, const Optio
       on_member(maps[m.b].robot, m.a + 1);
     }
     withPath(maps[m.b].robot, [&] {
-      m.alignment = align(maps[m.a].map, maps[m.b].map, priorOf(maps[m.b], maps[m.a]), options);
+      const PreparedMap &a = maps[m.a].map, &b = maps[m.b].map;
+      const Prior prior = priorOf(maps[m.b], maps[m.a]);
+      m.alignment = memory.match(a, b, prior, [&] { return align(a, b, prior, options); });
     });
   });
   return matches;
 }
 
-EvidenceOfMaps::EvidenceOfMaps(const std::vector<RobotMap>& maps, const Options& options)
+EvidenceOfMaps::EvidenceOfMaps(const std::vector<RobotMap>& maps, const Options& options,
+                               PairMemory& memory)
     : maps_(maps), pairs_(maps.size()) {
   double scale = 0;
   for (size_t a = 0; a < maps.size(); a++) {
@@ -76,7 +80,7 @@ EvidenceOfMaps::EvidenceOfMaps(const std::vector<RobotMap>& maps, const Options&
     middle_.push_back(meanOf(map.matched.voxels.centre));
     scale = std::max(scale, map.scale);
     for (size_t b = a + 1; b < maps.size(); b++)
-      pairs_[a].push_back(std::make_unique<EvidenceOfPair>(maps[a].map, maps[b].map, options));
+      pairs_[a].push_back(memory.evidence(maps[a].map, maps[b].map, options));
   }
   tolerance_ = options.evaluation.tolerance;
   tolerance_.translation *= scale;

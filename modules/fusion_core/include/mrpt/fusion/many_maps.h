@@ -92,6 +92,48 @@ MRPT_FUSION_API ManyFused fuseMaps(const std::vector<RobotMap>& maps, const Opti
                                    bool even_rejected = false, const OnMember& on_member = {},
                                    const OnIteration& on_iteration = {});
 
+/** The fused map of a team, and the result for each robot. */
+struct TeamState {
+  std::shared_ptr<const octomap::OcTree> map;  ///< Fused map; null if the team has no map
+  std::vector<FusionMember> members;           ///< Result of each map, in the order of the robots
+  Sources sources;                             ///< Sources of the maps that have joined
+};
+
+/** A team whose maps change: robots come, send newer maps, and go.
+ *
+ * The state is that of fuseMaps() with the present maps, bit for bit. The maps are in the order in
+ * which their robots came; a newer map keeps the place of the older map. So the robot that came first
+ * keeps its frame while it has a whole map in the team.
+ *
+ * Several threads may call all functions. A change does not wait for a fusion.
+ *
+ * Cost of a state: the matches of the maps that have changed with all other maps, the search of the
+ * poses with the evidence of all other pairs remembered, and the blocks of the fused map that have
+ * changed. */
+class MRPT_FUSION_API MapTeam {
+ public:
+  /** \param[in] options Parameters of all stages. */
+  explicit MapTeam(Options options = {});
+  ~MapTeam();
+  MapTeam(const MapTeam&) = delete;
+  MapTeam& operator=(const MapTeam&) = delete;
+
+  /** Adds the map of a robot, or replaces it. */
+  void set(RobotMap map);
+  /** Removes the map of a robot. \return False if the team has no such robot. */
+  bool remove(const std::string& robot);
+  /** Returns the names of the robots, in their order. */
+  std::vector<std::string> robots() const;
+  /** Returns the state of all maps that are in the team at the time of the call. Fuses if something
+   * has changed. The state does not change afterwards.
+   * \exception std::exception As fuseMaps(). */
+  std::shared_ptr<const TeamState> state();
+
+ private:
+  struct Shared;
+  std::unique_ptr<Shared> shared_;
+};
+
 /** A map and its sources. */
 struct SourcedMap {
   const octomap::OcTree& map;  ///< The map. Not owned
