@@ -57,6 +57,7 @@ PUBLIC = {
     "mrpt/fusion/fusion.h": FUSION,
     "mrpt/fusion/fusion_scene.h": FUSION,
     "mrpt/fusion/map_fusion.h": FUSION,
+    "mrpt/slam/CMapTeam.h": FUSION,
     "mrpt/slam/CProbabilisticMapMatching.h": FUSION,
 }
 

@@ -69,12 +69,13 @@ class Growth {
     for (const size_t j : joined_) {
       if (is_matched_[i][j]) continue;
       is_matched_[i][j] = true;
-      if (on_member_) on_member_(maps_[i].robot, joined_.size());
       withPath(maps_[i].robot, [&] {
         const PreparedMap &a = maps_[j].map, &b = maps_[i].map;
         const Prior prior = priorOf(maps_[i], maps_[j]);
-        Alignment match = memory_.pairs.match(
-            a, b, prior, [&] { return align(a, b, prior, options_, on_iteration_); });
+        Alignment match = memory_.pairs.match(a, b, prior, [&] {
+          if (on_member_) on_member_(maps_[i].robot, joined_.size());
+          return align(a, b, prior, options_, on_iteration_);
+        });
         if (isBetter(match, result_.members[i])) keep(std::move(match), i, j);
       });
     }
@@ -192,8 +193,8 @@ std::vector<size_t> canonicalOrder(const std::vector<RobotMap>& maps) {
   return order;
 }
 
-TeamState fuseInOrder(const std::vector<RobotMap>& maps, const Options& options,
-                      TeamMemory& memory, bool even_rejected, const OnMember& on_member,
+TeamState fuseInOrder(const std::vector<RobotMap>& maps, const Options& options, TeamMemory& memory,
+                      bool even_rejected, const OnMember& on_member,
                       const OnIteration& on_iteration) {
   Growth growth(maps, options, memory, on_member, on_iteration);
   std::vector<size_t> whole;
@@ -215,8 +216,7 @@ TeamState fuseWithMemory(const std::vector<RobotMap>& maps, const Options& optio
   const std::vector<size_t> order = canonicalOrder(maps);
   std::vector<RobotMap> in_order;
   for (const size_t i : order) in_order.push_back(maps[i]);
-  TeamState result =
-      fuseInOrder(in_order, options, memory, even_rejected, on_member, on_iteration);
+  TeamState result = fuseInOrder(in_order, options, memory, even_rejected, on_member, on_iteration);
   std::vector<FusionMember> members(maps.size());
   for (size_t k = 0; k < order.size(); k++) {
     for (FusionLink& link : result.members[k].links) link.with = order[link.with];
@@ -229,8 +229,7 @@ TeamState fuseWithMemory(const std::vector<RobotMap>& maps, const Options& optio
 ManyFused fuseMaps(const std::vector<RobotMap>& maps, const Options& options, bool even_rejected,
                    const OnMember& on_member, const OnIteration& on_iteration) {
   TeamMemory memory;
-  TeamState state =
-      fuseWithMemory(maps, options, memory, even_rejected, on_member, on_iteration);
+  TeamState state = fuseWithMemory(maps, options, memory, even_rejected, on_member, on_iteration);
   return {std::make_unique<octomap::OcTree>(*state.map), std::move(state.members),
           std::move(state.sources)};
 }

@@ -110,8 +110,7 @@ std::vector<FusionMember> placeTeam(const std::vector<RobotMap>& maps, const Opt
       const Eigen::Isometry3d T = match ? match->alignment.match.T_a_b.inverse()
                                         : placed[partner[k]].pose->inverse() * *p.pose;
       const PreparedMap &a = maps[partner[k]].map, &b = maps[k].map;
-      member.alignment =
-          memory.registration(a, b, T, [&] { return alignFrom(a, b, T, options); });
+      member.alignment = memory.registration(a, b, T, [&] { return alignFrom(a, b, T, options); });
     }
     Evaluation& e = member.alignment.evaluation;
     e.accepted = p.placed;

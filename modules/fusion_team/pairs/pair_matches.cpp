@@ -53,14 +53,16 @@ std::vector<PairMatch> matchPairs(const std::vector<RobotMap>& maps, const Optio
   std::mutex mutex;
   executor.run(matches.size(), [&](size_t i) {
     PairMatch& m = matches[i];
-    if (on_member) {
-      const std::lock_guard<std::mutex> lock(mutex);
-      on_member(maps[m.b].robot, m.a + 1);
-    }
     withPath(maps[m.b].robot, [&] {
       const PreparedMap &a = maps[m.a].map, &b = maps[m.b].map;
       const Prior prior = priorOf(maps[m.b], maps[m.a]);
-      m.alignment = memory.match(a, b, prior, [&] { return align(a, b, prior, options); });
+      m.alignment = memory.match(a, b, prior, [&] {
+        if (on_member) {
+          const std::lock_guard<std::mutex> lock(mutex);
+          on_member(maps[m.b].robot, m.a + 1);
+        }
+        return align(a, b, prior, options);
+      });
     });
   });
   return matches;

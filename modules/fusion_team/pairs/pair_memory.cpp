@@ -85,9 +85,8 @@ void PairMemory::forgetUnused() {
     if (!pair.is_evidence_used) pair.evidence = nullptr;
     pair.is_evidence_used = false;
   }
-  pairs_.remove_if([](const Pair& p) {
-    return p.matches.empty() && p.registrations.empty() && !p.evidence;
-  });
+  pairs_.remove_if(
+      [](const Pair& p) { return p.matches.empty() && p.registrations.empty() && !p.evidence; });
 }
 
 }  // namespace mrpt::fusion

@@ -102,8 +102,8 @@ struct TeamState {
 /** A team whose maps change: robots come, send newer maps, and go.
  *
  * The state is that of fuseMaps() with the present maps, bit for bit. The maps are in the order in
- * which their robots came; a newer map keeps the place of the older map. So the robot that came first
- * keeps its frame while it has a whole map in the team.
+ * which their robots came; a newer map keeps the place of the older map. So the robot that came
+ * first keeps its frame while it has a whole map in the team.
  *
  * Several threads may call all functions. A change does not wait for a fusion.
  *
