@@ -188,7 +188,7 @@ TEST_F(Growing, TheOrderOfTheOtherMapsDoesNotChangeABit) {
   const Eigen::Isometry3d T_d_w = poseOf(2, 5, 0.2, -70, 0.2, 0.3);
   const auto map_d = transformOcTree(*apartment({20, 0, 0}, {80, 69, 25}), T_d_w, kVoxel);
   const RobotMap d{"d", PreparedMap(*map_d)}, edges{"e", PreparedMap(pair().b.edges)};
-  std::vector<RobotMap> rest = {b(), c(), d, edges};
+  std::vector<RobotMap> rest = {b(), c(), d};
   const auto isBefore = [](const RobotMap& m, const RobotMap& n) { return m.robot < n.robot; };
   std::map<std::string, FusionMember> expected;
   std::unique_ptr<octomap::OcTree> expected_map;
@@ -196,6 +196,7 @@ TEST_F(Growing, TheOrderOfTheOtherMapsDoesNotChangeABit) {
   do {
     std::vector<RobotMap> maps = rest;
     maps.insert(maps.begin(), a());
+    maps.insert(maps.begin() + static_cast<std::ptrdiff_t>(orders % 5), edges);
     ManyFused result = fuseMaps(maps, {});
     orders++;
     if (!expected_map) {
@@ -217,7 +218,7 @@ TEST_F(Growing, TheOrderOfTheOtherMapsDoesNotChangeABit) {
         EXPECT_EQ(m.links[i].T_a_b.matrix(), e.links[i].T_a_b.matrix()) << m.robot;
     }
   } while (std::next_permutation(rest.begin(), rest.end(), isBefore));
-  EXPECT_EQ(orders, 24U);
+  EXPECT_EQ(orders, 6U);
   EXPECT_TRUE(expected.at("b").joined && expected.at("c").joined && expected.at("d").joined);
 }
 
