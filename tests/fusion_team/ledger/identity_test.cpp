@@ -182,7 +182,9 @@ TEST(Ledger, AnyHistoryOfFusedMapsGivesTheMapFromScratch) {
     for (auto e = entries.rbegin(); e != entries.rend(); ++e) fresh.add(e->source, e->pose);
     const auto map = ledger.map(), expected = fresh.map();
     ASSERT_EQ(map == nullptr, expected == nullptr) << step;
-    if (map) ASSERT_TRUE(sameTree(*map, *expected)) << step;
+    if (map) {
+      ASSERT_TRUE(sameTree(*map, *expected)) << step;
+    }
   }
 }
 
