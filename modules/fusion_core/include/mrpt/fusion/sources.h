@@ -19,6 +19,7 @@ struct SourceId {
    * source. */
   uint64_t content_hash = 0;
 
+  /** True if all fields are equal. */
   bool operator==(const SourceId& o) const {
     return content_hash == o.content_hash && sequence == o.sequence && robot == o.robot &&
            map == o.map;
