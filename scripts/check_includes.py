@@ -36,10 +36,9 @@ ALLOWED[PYTHON] = ALLOWED[FUSION] | {FUSION, REPORT}
 # Rooms of the public headers, by the room whose sources define what they declare.
 PUBLIC = {
     "mrpt/fusion/export.h": BASE,
+    "mrpt/fusion/sources.h": OCTREE,
     "mrpt/fusion/voxels.h": MAP,
-    "mrpt/fusion/statistics.h": MAP,
     "mrpt/fusion/edges.h": FEATURES,
-    "mrpt/fusion/edge_octree.h": FEATURES,
     "mrpt/fusion/prepared_map.h": FEATURES,
     "mrpt/fusion/search_params.h": SEARCH,
     "mrpt/fusion/registration_params.h": REGISTRATION,
@@ -58,6 +57,7 @@ PUBLIC = {
     "mrpt/fusion/fusion.h": FUSION,
     "mrpt/fusion/fusion_scene.h": FUSION,
     "mrpt/fusion/map_fusion.h": FUSION,
+    "mrpt/slam/CMapTeam.h": FUSION,
     "mrpt/slam/CProbabilisticMapMatching.h": FUSION,
 }
 

@@ -12,6 +12,7 @@
 #include "fusion_base/printable.h"
 #include "fusion_octree/resolution.h"
 #include "output.h"
+#include "poses_out.h"
 
 namespace map_fusion {
 
@@ -76,7 +77,8 @@ class CommandLine {
         ->required()
         ->type_name("FILE");
   }
-  void init(CLI::App* sub) {
+  /** \return The option of the guess. */
+  CLI::Option* init(CLI::App* sub) {
     auto* guess =
         sub->add_option("--init", args_.init,
                         "initial guess of the pose of B in A's frame: " + std::string(kPoseHelp) +
@@ -96,6 +98,25 @@ class CommandLine {
     sub->add_option("--pose-out", args_.pose_out,
                     "write the estimated pose to FILE as a 4x4 matrix")
         ->type_name("FILE");
+    return guess;
+  }
+  void team(CLI::App* sub, CLI::Option* guess) {
+    sub->add_option("--priors", args_.priors,
+                    "guesses of poses: a g2o file with EDGE_SE3:QUAT or VERTEX_SE3:QUAT. The ids "
+                    "are the indices of the maps in the order given, from 0")
+        ->type_name("FILE.g2o")
+        ->excludes(guess);
+    sub->add_option("--poses-out", args_.poses_out,
+                    "write the poses of all placed robots to FILE: .g2o, .graph (MRPT), .tum (time "
+                    "is the index of the map) or .yaml")
+        ->type_name("FILE")
+        ->check(CLI::Validator(
+            [](const std::string& path) {
+              return isPosesFile(path) ? std::string()
+                                       : mrpt::fusion::printable(path) +
+                                             " does not end in .g2o, .graph, .tum or .yaml";
+            },
+            "FILE"));
   }
   void pose(CLI::App* sub, const std::string& what) {
     sub->add_option("--pose,--init", args_.pose, what + ": " + kPoseHelp)
@@ -114,6 +135,11 @@ class CommandLine {
                     "rule for the value of a voxel that both maps know (default: as in the "
                     "settings)")
         ->check(CLI::IsMember({"relative_entropy", "average", "stitch", "bayes"}));
+    sub->add_flag(
+        "--independent", args_.independent,
+        "count all observations of all maps. Without --independent, no observation counts "
+        "twice: not those of maps with the same voxels, and not those of a map that a "
+        "fused map in an MRPT-serialized file or a mission already holds");
   }
 
  private:
@@ -131,7 +157,7 @@ void addPairCommands(CommandLine& line, Arguments& args) {
   line.inputs(fuse, "A B...", 1, kMaxMaps);
   line.resolution(fuse, kRawHelp);
   line.output(fuse, kFusedHelp);
-  line.init(fuse);
+  line.team(fuse, line.init(fuse));
   line.policy(fuse);
   line.picture(fuse);
   fuse->add_flag("--force", args.force, "merge rejected matches, too");
@@ -245,7 +271,8 @@ void checkOutputs(const Arguments& args) {
 
 std::vector<std::string> outputsOf(const Arguments& args) {
   std::vector<std::string> outputs;
-  for (const auto& path : {args.output, args.pose_out, args.picture, args.scene, args.json})
+  for (const auto& path :
+       {args.output, args.pose_out, args.poses_out, args.picture, args.scene, args.json})
     if (!path.empty()) outputs.push_back(path);
   return outputs;
 }

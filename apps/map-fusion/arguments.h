@@ -20,6 +20,8 @@ struct Arguments {
   std::string pose;                ///< Given pose of B in A, see parsePose()
   std::string output;              ///< File of the resulting map or point cloud
   std::string pose_out;            ///< File of the estimated pose; empty: none
+  std::string poses_out;           ///< File of the poses of all placed robots; empty: none
+  std::string priors;              ///< g2o file with guesses; empty: none
   std::string picture;             ///< PNG file of both maps; empty: none
   std::string scene;               ///< File of the 3-D scene; empty: none
   std::string json;                ///< File of the report as JSON; empty: none
@@ -30,6 +32,7 @@ struct Arguments {
                                                ///< without a header have no other voxel size
   unsigned threads = 0;                        ///< Number of threads; 0: all cores
   bool edges_only = false;                     ///< Write structural edges, not maps
+  bool independent = false;                    ///< Maps with the same sources all count
   bool force = false;                          ///< Merge rejected matches, too
   bool quiet = false;                          ///< Print neither summary nor progress
   bool verbose = false;                        ///< Print each iteration

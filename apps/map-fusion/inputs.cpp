@@ -46,6 +46,8 @@ LoadedMap loadMap(RunContext& run, const std::string& role, const std::string& p
   LoadedMap map = loadFile(run, path);
   run.progress.clear();
   run.report.maps.push_back(mrpt::fusion::reportOn(role, path, *map.octree));
+  run.report.maps.back().sources = map.sources;
+  if (map.sources.empty()) map.sources = {{{}, namesOf({path}).front(), 0, 0}};
   if (run.args.command != "info" && run.report.maps.back().statistics.occupied == 0)
     throw std::runtime_error(path + ": the map has no occupied voxel");
   run.endStep("load");
@@ -75,8 +77,10 @@ std::vector<Robot> loadRobots(RunContext& run) {
     const std::string& path = run.args.maps[i];
     run.progress.show("loading " + path);
     auto of_file = loadMission(run, path);
-    for (const Robot& robot : of_file)
+    for (const Robot& robot : of_file) {
       run.report.maps.push_back(mrpt::fusion::reportOn(robot.name, path, *robot.map.octree));
+      run.report.maps.back().sources = robot.map.sources;
+    }
     if (of_file.empty()) {
       Robot& robot = of_file.emplace_back();
       robot.name = names[i];

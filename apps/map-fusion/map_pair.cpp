@@ -6,7 +6,7 @@
 
 #include <mrpt/fusion/alignment.h>
 #include <mrpt/fusion/edges.h>
-#include <mrpt/fusion/merging.h>
+#include <mrpt/fusion/many_maps.h>
 #include <mrpt/fusion/poses.h>
 #include <mrpt/fusion/voxels.h>
 #include <tbb/parallel_invoke.h>
@@ -22,6 +22,7 @@
 #include "inputs.h"
 #include "output.h"
 #include "pose.h"
+#include "priors.h"
 
 using mrpt::fusion::EdgeVoxels;
 using mrpt::fusion::PreparedMap;
@@ -32,9 +33,10 @@ namespace map_fusion {
 namespace {
 
 /** Returns what the arguments say about the pose of B in A. */
-mrpt::fusion::Prior priorOf(const RunContext& run) {
+mrpt::fusion::Prior priorOf(const RunContext& run, const MapPair& pair) {
   using mrpt::fusion::Prior;
   const auto& sigma = run.args.init_sigma;
+  if (pair.prior) return *pair.prior;
   if (!run.report.initial_pose) return Prior::none();
   if (sigma.empty()) return Prior::near(*run.report.initial_pose);
   mrpt::poses::CPose3DPDFGaussian guess(*run.report.initial_pose);
@@ -51,7 +53,8 @@ mrpt::fusion::Prior priorOf(const RunContext& run) {
 bool fitsWithoutCommonVertical(const RunContext& run, const PreparedMap& a, const PreparedMap& b) {
   using mrpt::fusion::SearchRotations;
   mrpt::fusion::Options options = run.options;
-  const bool is_asked = run.report.initial_pose || options.search.translation <= 0 ||
+  const bool is_asked = run.report.initial_pose || !run.args.priors.empty() ||
+                        options.search.translation <= 0 ||
                         options.search.rotations == SearchRotations::All;
   if (is_asked || run.report.match->by_edges || run.report.match->evaluation.accepted) return false;
   options.search.rotations = SearchRotations::All;
@@ -97,6 +100,8 @@ MapPair loadPair(RunContext& run) {
   if (!run.args.init.empty()) run.report.initial_pose = parsePose(run.args.init);
   if (!run.args.pose.empty()) run.report.pose.emplace().mean = parsePose(run.args.pose);
   MapPair pair;
+  if (!run.args.priors.empty())
+    pair.prior = loadPriors(run.args.priors, run.args.maps.size()).of(0, 1);
   pair.a = loadMap(run, "a", run.args.maps[0]);
   pair.b = loadMap(run, "b", run.args.maps[1]);
   return pair;
@@ -116,7 +121,7 @@ bool matchPair(RunContext& run, const MapPair& pair) {
   run.progress.show("extracting edges");
   const auto [a, b] = preparePair(run, pair);
   run.endStep("features");
-  run.report.match = mrpt::fusion::align(a, b, priorOf(run), run.options, run.on_iteration);
+  run.report.match = mrpt::fusion::align(a, b, priorOf(run, pair), run.options, run.on_iteration);
   if (fitsWithoutCommonVertical(run, a, b))
     run.report.match->evaluation.reasons.emplace_back(
         "the maps fit if up is another direction in map B: pass --full-6dof");
@@ -134,13 +139,19 @@ bool matchPair(RunContext& run, const MapPair& pair) {
 void mergePair(RunContext& run, MapPair& pair) {
   run.progress.show("merging");
   choosePolicy(run);
-  pair.fused = mrpt::fusion::withPath(run.args.maps[1], [&] {
-    return mrpt::fusion::mergeMaps(pair.a.wholeMap(), pair.b.wholeMap(),
-                                   toEigen(run.report.pose->mean), run.options.merge);
+  const bool is_given = !run.args.pose.empty();
+  auto merged = mrpt::fusion::withPath(run.args.maps[1], [&] {
+    return mrpt::fusion::mergeSources({pair.a.wholeMap(), pair.a.sources},
+                                      {pair.b.wholeMap(), pair.b.sources},
+                                      toEigen(run.report.pose->mean), run.options.merge, is_given);
   });
+  pair.fused = std::move(merged.map);
   run.progress.clear();
+  run.report.counting = {merged.of_a, merged.of_b};
+  noteCounting(run, run.args.maps[0], merged.of_a, run.args.maps[1]);
+  noteCounting(run, run.args.maps[1], merged.of_b, run.args.maps[0]);
   run.endStep("merge");
-  saveFused(run, pair.fused);
+  saveFused(run, pair.fused, merged.sources);
 }
 
 void drawPair(RunContext& run, const MapPair& pair) {
@@ -149,16 +160,37 @@ void drawPair(RunContext& run, const MapPair& pair) {
 }
 
 void choosePolicy(RunContext& run) {
+  run.options.merge.independent = run.args.independent;
   for (const auto& [policy, name] : mrpt::fusion::mergePolicyNames())
     if (run.args.policy == name) run.options.merge.policy = policy;
   for (const auto& [policy, name] : mrpt::fusion::mergePolicyNames())
     if (run.options.merge.policy == policy) run.report.policy = name;
 }
 
-void saveFused(RunContext& run, const std::shared_ptr<const octomap::OcTree>& fused) {
-  saveMap(fused, run.args.output);
+void noteCounting(RunContext& run, const std::string& map, mrpt::fusion::Counting counting,
+                  const std::string& with) {
+  using mrpt::fusion::Counting;
+  switch (counting) {
+    case Counting::All:
+      return;
+    case Counting::UnknownSpace:
+      return run.note(map + ": some of its sources are in " + with +
+                      ": it adds only space that other maps do not know (--independent adds all)");
+    case Counting::None:
+      return run.note(map + ": all of its sources are in " + with +
+                      ": nothing is added (--independent adds all)");
+    case Counting::Copy:
+      return run.note(map + ": has the same voxels as " + with +
+                      ": both are one source and count once (--independent counts both)");
+  }
+}
+
+void saveFused(RunContext& run, const std::shared_ptr<const octomap::OcTree>& fused,
+               const mrpt::fusion::Sources& sources) {
+  saveMap(fused, run.args.output, sources);
   run.endStep("save");
   run.report.maps.push_back(mrpt::fusion::reportOn("fused", run.args.output, *fused));
+  run.report.maps.back().sources = sources;
 }
 
 }  // namespace map_fusion

@@ -4,6 +4,8 @@
 #include <mrpt/fusion/prepared_map.h>
 
 #include <memory>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "mrpt_maps.h"
@@ -17,6 +19,7 @@ namespace map_fusion {
 /** The maps of a run on two maps. */
 struct MapPair {
   LoadedMap a, b;
+  std::optional<mrpt::fusion::Prior> prior;      ///< Guess of a g2o file
   std::shared_ptr<const octomap::OcTree> fused;  ///< Null: nothing was merged
 };
 
@@ -39,7 +42,13 @@ void drawPair(RunContext& run, const MapPair& pair);
 /** Applies the merge policy of the arguments, and reports it. */
 void choosePolicy(RunContext& run);
 
-/** Saves a fused map, and reports on it. */
-void saveFused(RunContext& run, const std::shared_ptr<const octomap::OcTree>& fused);
+/** Notes if not all observations of a map count. \param[in] with Name of the map with the same
+ * sources. */
+void noteCounting(RunContext& run, const std::string& map, mrpt::fusion::Counting counting,
+                  const std::string& with);
+
+/** Saves a fused map with its sources, and reports on it. */
+void saveFused(RunContext& run, const std::shared_ptr<const octomap::OcTree>& fused,
+               const mrpt::fusion::Sources& sources);
 
 }  // namespace map_fusion

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "fusion_report/pose_graph.h"
 #include "fusion_report/report.h"
 
 namespace mrpt::config {
@@ -36,11 +37,13 @@ struct LoadedMap {
   std::shared_ptr<const mrpt::fusion::EdgeVoxels> edges;  ///< Edges; null if the map is whole
   std::shared_ptr<mrpt::maps::CMetricMap> mrpt;           ///< MRPT's map, if the file has one
   std::vector<std::string> notes;  ///< Differences between the file and the map
+  /** Sources of the map. A map of a file has at least one, see mrpt::fusion::SourceId. */
+  mrpt::fusion::Sources sources = {};
 
   /** Prepares the map for matching. */
   mrpt::fusion::PreparedMap prepared(const mrpt::fusion::FeatureParams& params) const {
     return edges ? mrpt::fusion::PreparedMap(*edges, params)
-                 : mrpt::fusion::PreparedMap(octree, params);
+                 : mrpt::fusion::PreparedMap(octree, params).withSources(sources);
   }
   /** Returns the map. \exception std::runtime_error If only edges are known. */
   const octomap::OcTree& wholeMap() const;
@@ -98,6 +101,8 @@ class MrptMaps {
   virtual void save(const LoadedMap& map, const std::string& path) const = 0;
   /** Writes a scene, see mrpt::fusion::drawFusion(). */
   virtual void drawScene(const SceneContents& contents, const std::string& path) const = 0;
+  /** Returns poses as a `.graph` file of MRPT: VERTEX3, FIX, EDGE3. */
+  virtual std::string toGraphText(const mrpt::fusion::PoseGraph& graph) const = 0;
   /** Removes the temporary files of the module. For signal handlers. */
   virtual void removeTemporaryFiles() const noexcept = 0;
 };

@@ -5,8 +5,12 @@
 #include <mrpt/fusion/export.h>
 #include <mrpt/fusion/fusion_scene.h>
 #include <mrpt/fusion/map_files.h>
+#include <mrpt/graphs/CNetworkOfPoses.h>
 #include <mrpt/maps/CEdgeVoxelMap.h>
 
+#include <iomanip>
+#include <limits>
+#include <sstream>
 #include <stdexcept>
 
 #include "fusion_base/error_text.h"
@@ -33,15 +37,20 @@ LoadedMap workable(const CMetricMap::Ptr& map) {
   if (!octomap)
     throw std::runtime_error(std::string("a ") + map->GetRuntimeClass()->className +
                              " is not, and holds no, 3-D occupancy map");
-  return {
-      {octomap, &octomap->octree()}, nullptr, std::const_pointer_cast<CProbOctoMap>(octomap), {}};
+  return {{octomap, &octomap->octree()},
+          nullptr,
+          std::const_pointer_cast<CProbOctoMap>(octomap),
+          {},
+          octomap->sources()};
 }
 
 /** Returns the map as it was read, or else as one of our classes. */
 CMetricMap::Ptr mrptMapOf(const LoadedMap& map) {
   if (map.mrpt) return map.mrpt;
   if (map.edges) return std::make_shared<CEdgeVoxelMap>(*map.edges);
-  return std::make_shared<CProbOctoMap>(*map.octree);
+  auto octomap = std::make_shared<CProbOctoMap>(*map.octree);
+  octomap->setSources(map.sources);
+  return octomap;
 }
 
 /** \param[out] notes Receives the notes. It must outlive the result. */
@@ -72,6 +81,8 @@ class MapsOfModule : public MrptMaps {
       robot.name = sent->sensorLabel;
       robot.map = mrpt::fusion::withPath(path, [&] { return workable(sent->map); });
       robot.map.mrpt = sent->map;
+      if (robot.map.sources.empty())
+        robot.map.sources = {{sent->sensorLabel, {}, sent->sequence, 0}};
       robot.pose = sent->pose;
       robot.sent = sent;
     }
@@ -107,6 +118,24 @@ class MapsOfModule : public MrptMaps {
   void save(const LoadedMap& map, const std::string& path) const override {
     const SilentErrors silent;
     mrpt::fusion::saveMap(*mrptMapOf(map), path);
+  }
+
+  std::string toGraphText(const mrpt::fusion::PoseGraph& poses) const override {
+    mrpt::graphs::CNetworkOfPoses3DInf graph;
+    for (const auto& v : poses.vertices) graph.nodes[v.id] = mrpt::fusion::toPose(v.pose);
+    if (!poses.vertices.empty()) graph.root = poses.vertices.front().id;
+    for (const auto& e : poses.edges) {
+      const auto covariance = mrpt::fusion::toYawPitchRollCovariance(e.covariance, e.T_a_b);
+      graph.insertEdgeAtEnd(
+          e.a, e.b,
+          mrpt::poses::CPose3DPDFGaussianInf(
+              mrpt::fusion::toPose(e.T_a_b),
+              mrpt::math::CMatrixDouble66(mrpt::fusion::informationOf(covariance))));
+    }
+    std::ostringstream text;
+    text << std::setprecision(std::numeric_limits<double>::max_digits10);
+    graph.writeAsText(text);
+    return text.str();
   }
 
   void removeTemporaryFiles() const noexcept override { mrpt::fusion::removeTemporaryMapFiles(); }

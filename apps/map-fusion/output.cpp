@@ -98,12 +98,13 @@ void checkWritable(const std::string& path, const std::vector<std::string>& inpu
     throw std::runtime_error(path + ": cannot be written: permission denied");
 }
 
-void saveMap(const std::shared_ptr<const octomap::OcTree>& map, const std::string& path) {
+void saveMap(const std::shared_ptr<const octomap::OcTree>& map, const std::string& path,
+             const mrpt::fusion::Sources& sources) {
   const std::string extension = fs::path(path).extension();
   if (extension == ".ot" || extension == ".bt" || path == mrpt::fusion::kStandardOutput)
     mrpt::fusion::saveOcTree(*map, path);
   else
-    mrptMaps().save({map, nullptr, nullptr, {}}, path);
+    mrptMaps().save({map, nullptr, nullptr, {}, sources}, path);
 }
 
 }  // namespace map_fusion

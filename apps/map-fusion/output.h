@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <mrpt/fusion/sources.h>
 #include <octomap/OcTree.h>
 
 #include <memory>
@@ -39,8 +40,9 @@ bool isSameOutput(const std::string& a, const std::string& b);
 void checkWritable(const std::string& path, const std::vector<std::string>& inputs);
 
 /** Saves a map: `.ot` and `.bt` by extension, `.ot` on standard output ("-"), otherwise as MRPT
- * serializes it.
+ * serializes it. \param[in] sources Sources of the map, which files of octrees do not hold.
  * \exception std::runtime_error "<path>: <reason>". */
-void saveMap(const std::shared_ptr<const octomap::OcTree>& map, const std::string& path);
+void saveMap(const std::shared_ptr<const octomap::OcTree>& map, const std::string& path,
+             const mrpt::fusion::Sources& sources = {});
 
 }  // namespace map_fusion

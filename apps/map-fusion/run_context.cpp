@@ -36,7 +36,7 @@ std::string toText(const mrpt::fusion::IterationRecord& i) {
 RunContext::RunContext(const Arguments& arguments) : args(arguments), progress(!args.quiet) {
   report.command = args.command;
   std::vector<std::string> inputs = args.maps;
-  inputs.insert(inputs.end(), {args.config, args.init, args.pose});
+  inputs.insert(inputs.end(), {args.config, args.init, args.pose, args.priors});
   for (const auto& path : outputsOf(args)) checkWritable(path, inputs);
   if (!args.config.empty()) mrpt::fusion::withPath(args.config, [this] { loadConfig(); });
   if (args.full_6dof) options.search.rotations = mrpt::fusion::SearchRotations::All;

@@ -6,7 +6,9 @@
 
 #include <mrpt/fusion/poses.h>
 
+#include <cinttypes>
 #include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 namespace mrpt::fusion {
@@ -92,6 +94,31 @@ Json matchJson(const Alignment& info) {
           {"iterations", iterations}};
 }
 
+const char* textOf(Counting counting) {
+  switch (counting) {
+    case Counting::All:
+      return "all";
+    case Counting::UnknownSpace:
+      return "unknown_space";
+    case Counting::None:
+      return "none";
+    case Counting::Copy:
+      return "copy";
+  }
+  return "";
+}
+
+Json sourcesJson(const Sources& sources) {
+  Json json = Json::array();
+  for (const SourceId& s : sources) {
+    char hash[17];
+    std::snprintf(hash, sizeof(hash), "%016" PRIx64, s.content_hash);
+    json.push_back({{"robot", s.robot}, {"map", s.map}, {"sequence", s.sequence}});
+    if (s.content_hash != 0) json.back()["content_hash"] = hash;
+  }
+  return json;
+}
+
 }  // namespace
 
 std::string toJson(const Report& r) {
@@ -111,6 +138,7 @@ std::string toJson(const Report& r) {
                             {"free_voxels", s.free},
                             {"mean_entropy_occupied_nats", s.mean_entropy_occupied},
                             {"mean_entropy_known_nats", s.mean_entropy_known}});
+    if (!m.sources.empty()) json["maps"].back()["sources"] = sourcesJson(m.sources);
   }
   if (r.observations) {
     auto& observations = json["observations"];
@@ -124,8 +152,12 @@ std::string toJson(const Report& r) {
   if (r.initial_pose) json["initial_pose"] = poseJson(*r.initial_pose);
   if (r.pose) json["pose"] = poseJson(*r.pose);
   if (r.match) json["match"] = matchJson(*r.match);
+  if (r.counting)
+    json["counts"] = {{"a", textOf(r.counting->first)}, {"b", textOf(r.counting->second)}};
   for (const auto& m : r.members) {
     Json member = {{"robot", m.robot}, {"joined", m.joined}};
+    if (m.joined) member["counts"] = textOf(m.counting);
+    if (!m.counted_with.empty()) member["counts_with"] = m.counted_with;
     if (m.hasMatch()) {
       member["matched_with"] = m.matched_with;
       member["pose"] = poseJson(m.pose);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <mrpt/fusion/many_maps.h>
-#include <mrpt/fusion/statistics.h>
+#include <mrpt/fusion/voxels.h>
 
 #include <cstddef>
 #include <optional>
@@ -24,6 +24,7 @@ struct MapReport {
   double high[3] = {0, 0, 0};  ///< Highest corner of that box, m
   size_t nodes = 0;            ///< Number of nodes of the octree
   MapStatistics statistics;    ///< Voxels and entropies
+  Sources sources;             ///< Sources of the map, if the file or the run knows them
 };
 
 /** Collects the figures of a map. O(nodes). */
@@ -49,11 +50,12 @@ struct Report {
   std::vector<std::string> notes;                    ///< Differences between files and their maps
   std::vector<MapReport> maps;                       ///< Maps that were read or written, in order
   std::optional<mrpt::poses::CPose3D> initial_pose;  ///< Initial guess of T_a_b
-  std::optional<mrpt::poses::CPose3DPDFGaussian> pose;  ///< T_a_b; zero covariance if not judged
-  std::optional<Alignment> match;                       ///< Match of two maps, or a judged pose
-  std::vector<FusionMember> members;                    ///< Robots of a team, in the order given
-  std::optional<size_t> bytes;                          ///< Size of the file that `pack` wrote
-  std::string policy;                                   ///< Merge policy; empty: nothing was merged
+  std::optional<mrpt::poses::CPose3DPDFGaussian> pose;    ///< T_a_b; zero covariance if not judged
+  std::optional<Alignment> match;                         ///< Match of two maps, or a judged pose
+  std::vector<FusionMember> members;                      ///< Robots of a team, in the order given
+  std::optional<size_t> bytes;                            ///< Size of the file that `pack` wrote
+  std::optional<std::pair<Counting, Counting>> counting;  ///< How A and B count, if they are merged
+  std::string policy;                            ///< Merge policy; empty: nothing was merged
   std::optional<size_t> edges;                   ///< Number of edge voxels that `edges` found
   std::optional<ObservationCount> observations;  ///< Observations that `build` read
   std::vector<std::pair<std::string, double>> seconds;  ///< Wall time of each step, s, in order

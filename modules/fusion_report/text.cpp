@@ -41,6 +41,13 @@ void printMaps(const Report& r, std::ostream& out) {
          m.resolution, s.occupied, s.free, s.mean_entropy_occupied, s.mean_entropy_known,
          m.high[0] - m.low[0], m.high[1] - m.low[1], m.high[2] - m.low[2]);
   }
+  for (const auto& m : r.maps) {
+    if (m.sources.size() < 2) continue;
+    std::string names;
+    for (const SourceId& s : m.sources)
+      names += (names.empty() ? "" : ", ") + (s.robot.empty() ? s.map : s.robot);
+    line(out, "sources of %s: %s", m.role.c_str(), names.c_str());
+  }
 }
 
 const char* verdictOf(const Evaluation& e) {

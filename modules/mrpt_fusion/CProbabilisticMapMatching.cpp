@@ -2,6 +2,7 @@
 /** \file
  * The registration class for MRPT: it calls mrpt::fusion::align() and its relatives. */
 
+#include <mrpt/fusion/many_maps.h>
 #include <mrpt/maps/CProbOctoMap.h>
 #include <mrpt/poses/CPosePDFGaussian.h>
 #include <mrpt/slam/CProbabilisticMapMatching.h>
@@ -106,6 +107,11 @@ CProbabilisticMapMatching::TReturnInfo CProbabilisticMapMatching::evaluate(
 CProbOctoMap CProbabilisticMapMatching::merge(const CMetricMap& m1, const CMetricMap& m2,
                                               const CPose3D& pose) const {
   const mrpt::system::CTimeLoggerEntry timing(profiler, "merge");
-  return CProbOctoMap(
-      mergeMaps(wholeMapOf(m1)->octree(), wholeMapOf(m2)->octree(), toEigen(pose), options.merge));
+  const auto a = wholeMapOf(m1), b = wholeMapOf(m2);
+  constexpr bool kIsGiven = true;
+  auto merged = mergeSources({a->octree(), a->sources()}, {b->octree(), b->sources()},
+                             toEigen(pose), options.merge, kIsGiven);
+  CProbOctoMap map(std::move(merged.map));
+  map.setSources(std::move(merged.sources));
+  return map;
 }

@@ -3,6 +3,7 @@
  * Prepares maps of MRPT, and fuses two maps. */
 
 #include <mrpt/fusion/fusion.h>
+#include <mrpt/fusion/many_maps.h>
 #include <mrpt/maps/CEdgeVoxelMap.h>
 
 #include <stdexcept>
@@ -29,7 +30,8 @@ PreparedMap prepareBorrowed(const CMetricMap& map, const FeatureParams& params) 
     return PreparedMap(edges->edges(), params);
   const auto octomap = asProbOctoMap(map);
   if (!octomap) throwNoMap(map);
-  return PreparedMap(std::shared_ptr<const octomap::OcTree>(octomap, &octomap->octree()), params);
+  return PreparedMap(std::shared_ptr<const octomap::OcTree>(octomap, &octomap->octree()), params)
+      .withSources(octomap->sources());
 }
 
 PreparedMap prepare(const CMetricMap& map, const FeatureParams& params) {
@@ -37,7 +39,7 @@ PreparedMap prepare(const CMetricMap& map, const FeatureParams& params) {
     return PreparedMap(edges->edges(), params);
   const auto octomap = asProbOctoMap(map);
   if (!octomap) throwNoMap(map);
-  return PreparedMap(octomap->octree(), params);
+  return PreparedMap(octomap->octree(), params).withSources(octomap->sources());
 }
 
 PreparedMap prepare(const std::shared_ptr<const CMetricMap>& map, const FeatureParams& params) {
@@ -45,7 +47,8 @@ PreparedMap prepare(const std::shared_ptr<const CMetricMap>& map, const FeatureP
   if (dynamic_cast<const CEdgeVoxelMap*>(map.get())) return prepare(*map, params);
   const auto octomap = asProbOctoMap(map);
   if (!octomap) throwNoMap(*map);
-  return PreparedMap(std::shared_ptr<const octomap::OcTree>(octomap, &octomap->octree()), params);
+  return PreparedMap(std::shared_ptr<const octomap::OcTree>(octomap, &octomap->octree()), params)
+      .withSources(octomap->sources());
 }
 
 Fused::Fused(Alignment alignment, std::shared_ptr<const CProbOctoMap> map)
@@ -65,10 +68,11 @@ const CProbOctoMap& Fused::map() const {
 
 Fused fuse(const PreparedMap& a, const PreparedMap& b, const Prior& prior, const Options& options) {
   Alignment found = align(a, b, prior, options);
-  std::shared_ptr<const CProbOctoMap> map;
-  if (found.evaluation.accepted)
-    map = std::make_shared<const CProbOctoMap>(
-        mergeMaps(a.wholeMap(), b.wholeMap(), found.match.T_a_b, options.merge));
+  if (!found.evaluation.accepted) return {std::move(found), nullptr};
+  auto merged = mergeSources({a.wholeMap(), a.sources()}, {b.wholeMap(), b.sources()},
+                             found.match.T_a_b, options.merge);
+  auto map = std::make_shared<CProbOctoMap>(std::move(merged.map));
+  map->setSources(std::move(merged.sources));
   return {std::move(found), std::move(map)};
 }
 

@@ -27,10 +27,15 @@ FusionResult mrpt::fusion::fuseMaps(const mrpt::slam::CProbabilisticMapMatching&
     ASSERTMSG_(m && m->map, "fuseMaps(): a robot's map is missing");
     withPath(m->sensorLabel, [&] {
       const mrpt::maps::CMetricMap::ConstPtr map = m->map;
-      robots.push_back({m->sensorLabel, prepare(map, matching.options.features), m->pose});
+      PreparedMap prepared = prepare(map, matching.options.features);
+      if (prepared.sources().empty())
+        prepared = prepared.withSources({{m->sensorLabel, {}, m->sequence, 0}});
+      robots.push_back({m->sensorLabel, std::move(prepared), m->pose});
     });
   }
   auto fused = mrpt::fusion::fuseMaps(robots, matching.options, even_rejected, on_member,
                                       matching.onIteration);
-  return {mrpt::maps::CProbOctoMap(std::move(fused.map)), std::move(fused.members)};
+  FusionResult result{mrpt::maps::CProbOctoMap(std::move(fused.map)), std::move(fused.members)};
+  result.map.setSources(std::move(fused.sources));
+  return result;
 }

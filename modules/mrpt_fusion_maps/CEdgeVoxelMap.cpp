@@ -2,7 +2,7 @@
 /** \file
  * CEdgeVoxelMap: serialization and drawing. */
 
-#include <mrpt/fusion/edge_octree.h>
+#include <mrpt/fusion/edges.h>
 #include <mrpt/maps/CEdgeVoxelMap.h>
 #include <mrpt/serialization/CArchive.h>
 #include <tbb/task_arena.h>

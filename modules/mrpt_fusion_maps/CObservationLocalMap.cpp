@@ -15,6 +15,7 @@
 #include "mrpt_fusion_maps/archives/map_reader.h"
 #include "mrpt_fusion_maps/archives/packed_nodes.h"
 #include "mrpt_fusion_maps/archives/poses.h"
+#include "mrpt_fusion_maps/archives/sources.h"
 
 using namespace mrpt::fusion;
 using namespace mrpt::obs;
@@ -35,6 +36,7 @@ CProbOctoMap withoutNodes(const CProbOctoMap& map) {
   hull.insertionOptions = map.insertionOptions;
   hull.likelihoodOptions = map.likelihoodOptions;
   hull.renderingOptions = map.renderingOptions;
+  SourcesOfMap::copy(map, hull);
   OcTreeAccess::setSensorModel(hull.octree(), OcTreeAccess::sensorModel(map.octree()));
   return hull;
 }

@@ -19,6 +19,7 @@
 #include "fusion_octree/resolution.h"
 #include "mrpt_fusion_maps/archives/blobs.h"
 #include "mrpt_fusion_maps/archives/flags.h"
+#include "mrpt_fusion_maps/archives/sources.h"
 
 using namespace mrpt::fusion;
 using namespace mrpt::maps;
@@ -150,7 +151,9 @@ CProbOctoMap::CProbOctoMap(const CProbOctoMap& o)
       insertionOptions(o.insertionOptions),
       likelihoodOptions(o.likelihoodOptions),
       renderingOptions(o.renderingOptions),
-      m_octree(std::make_unique<octomap::OcTree>(*o.m_octree)) {}
+      m_octree(std::make_unique<octomap::OcTree>(*o.m_octree)),
+      m_sources(o.m_sources),
+      m_sources_hash(o.m_sources_hash) {}
 
 CProbOctoMap& CProbOctoMap::operator=(const CProbOctoMap& o) {
   CProbOctoMap copy(o);
@@ -163,6 +166,7 @@ CProbOctoMap::~CProbOctoMap() = default;
 void CProbOctoMap::setOctree(std::unique_ptr<octomap::OcTree> tree) {
   ASSERTMSG_(tree, "CProbOctoMap::setOctree(): no tree");
   m_octree = std::move(tree);
+  m_sources.clear();
   insertionOptions.occupancyThres = m_octree->getOccupancyThres();
   insertionOptions.probHit = m_octree->getProbHit();
   insertionOptions.probMiss = m_octree->getProbMiss();
@@ -179,7 +183,10 @@ void CProbOctoMap::applySensorModel() {
   m_octree->setClampingThresMax(insertionOptions.clampingThresMax);
 }
 
-void CProbOctoMap::internal_clear() { m_octree->clear(); }
+void CProbOctoMap::internal_clear() {
+  m_octree->clear();
+  m_sources.clear();
+}
 
 std::string CProbOctoMap::asString() const {
   return mrpt::format("Probabilistic octomap, voxels of %.03f m, %zu nodes", getResolution(),
@@ -199,7 +206,8 @@ void checkNumbers(std::initializer_list<double> numbers) {
 
 }  // namespace
 
-uint8_t CProbOctoMap::serializeGetVersion() const { return 0; }
+/** Version 1 has sources. A map without sources is readable by earlier versions of this library. */
+uint8_t CProbOctoMap::serializeGetVersion() const { return m_sources.empty() ? 0 : 1; }
 
 void CProbOctoMap::serializeTo(mrpt::serialization::CArchive& out) const {
   out << genericMapParams;
@@ -212,11 +220,12 @@ void CProbOctoMap::serializeTo(mrpt::serialization::CArchive& out) const {
   out << m_octree->getResolution() << m.clamp_min << m.clamp_max << m.hit << m.miss
       << m.occupancy_threshold;
   writeBlob(out, serializeNodes(*m_octree));
+  if (!m_sources.empty()) SourcesOfMap::write(out, *this);
   writeEndMark(out);
 }
 
 void CProbOctoMap::serializeFrom(mrpt::serialization::CArchive& in, uint8_t version) {
-  if (version != 0) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
+  if (version > 1) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
   // The stream is read into another map first, so that this map stays as it was if the stream ends
   // early.
   CProbOctoMap map;
@@ -239,6 +248,7 @@ void CProbOctoMap::serializeFrom(mrpt::serialization::CArchive& in, uint8_t vers
   map.m_octree = std::make_unique<octomap::OcTree>(resolution);
   OcTreeAccess::setSensorModel(*map.m_octree, m);
   const std::string nodes = readBlob(in);
+  if (version > 0) SourcesOfMap::read(in, map);
   readEndMark(in);
   parseNodes(nodes, *map.m_octree);
   *this = std::move(map);

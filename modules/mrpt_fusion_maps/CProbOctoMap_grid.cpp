@@ -107,6 +107,7 @@ void CProbOctoMap::fromOccupancyGrid(const COccupancyGridMap3D& o) {
   buildOcTree(*tree, {}, visitor);
   OcTreeAccess::setSensorModel(*tree, OcTreeAccess::sensorModel(*m_octree));
   m_octree = std::move(tree);
+  m_sources.clear();
 }
 
 void CProbOctoMap::toOccupancyGrid(COccupancyGridMap3D& o) const {

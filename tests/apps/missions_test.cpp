@@ -87,10 +87,13 @@ TEST_F(Missions, WithARobotFromElsewhereAreFusedAsFarAsTheyCanBe) {
   ASSERT_EQ(
       mapFusion("build /usr/share/mrpt/datasets/localization_demo.simplemap.gz -o plane.ot").code,
       0);
-  const auto r =
-      mapFusion("fuse " + pair("map_a.ot") + " plane.ot " + pair("map_b.ot") + " -o fused.ot");
+  const auto r = mapFusion("fuse " + pair("map_a.ot") + " plane.ot " + pair("map_b.ot") +
+                           " -o fused.ot --poses-out poses.tum");
   EXPECT_EQ(r.code, 3) << r.out;
   EXPECT_TRUE(fs::exists(dir_ / "fused.ot"));
+  const std::string poses = readFile(dir_ / "poses.tum");
+  EXPECT_NE(poses.find("\n2 31."), std::string::npos) << poses;
+  EXPECT_EQ(poses.find("\n1 "), std::string::npos) << "not placed\n" << poses;
   EXPECT_EQ(mapFusion("fuse " + pair("map_a.ot") + " plane.ot " + " -o two.ot").code, 3);
   EXPECT_FALSE(fs::exists(dir_ / "two.ot"));
 }

@@ -4,7 +4,7 @@
 #include <mrpt/core/bits_math.h>
 #include <mrpt/fusion/evaluation.h>
 #include <mrpt/fusion/merging.h>
-#include <mrpt/fusion/statistics.h>
+#include <mrpt/fusion/voxels.h>
 #include <tbb/global_control.h>
 
 #include <algorithm>

@@ -28,5 +28,8 @@ std::vector<std::string> fuzzSeeds() {
   std::vector<std::string> seeds;
   for (const auto& tree : fuzz::smallTrees())
     seeds.push_back(map_tests::serialized(CProbOctoMap(*tree)));
+  CProbOctoMap fused(*fuzz::smallTrees().front());
+  fused.setSources({{"r1", {}, 3, 0}, {{}, "b", 0, 42}});
+  seeds.push_back(map_tests::serialized(fused));
   return seeds;
 }

@@ -3,7 +3,7 @@
  * Tests of the shortest way from two maps to one. */
 #include <gtest/gtest.h>
 #include <mrpt/fusion/fusion.h>
-#include <mrpt/fusion/statistics.h>
+#include <mrpt/fusion/voxels.h>
 #include <mrpt/maps/CEdgeVoxelMap.h>
 #include <mrpt/maps/CMultiMetricMap.h>
 #include <mrpt/maps/COctoMap.h>

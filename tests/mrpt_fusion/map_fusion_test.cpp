@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <mrpt/fusion/map_fusion.h>
 #include <mrpt/fusion/poses.h>
-#include <mrpt/fusion/statistics.h>
+#include <mrpt/fusion/voxels.h>
 #include <mrpt/maps/CEdgeVoxelMap.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 

@@ -137,7 +137,7 @@ TEST(ProbOctoMapSerialization, AnUnknownVersionThrows) {
   CProbOctoMap target;
   ASSERT_NO_THROW(deserializeInto(bytes, target));
   const CProbOctoMap before = target;
-  for (const char version : {'\1', '\2', '\x7f'}) {
+  for (const char version : {'\2', '\3', '\x7f'}) {
     bytes[version_at] = version;
     const std::string error = errorOf([&] { deserializeInto(bytes, target); });
     EXPECT_NE(std::string::npos, error.find("unknown serialization version")) << error;

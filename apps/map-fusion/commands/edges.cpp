@@ -2,7 +2,7 @@
 /** \file
  * `map-fusion edges`. */
 
-#include <mrpt/fusion/edge_octree.h>
+#include <mrpt/fusion/edges.h>
 
 #include <filesystem>
 #include <memory>

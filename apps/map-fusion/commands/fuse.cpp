@@ -6,6 +6,7 @@
 
 #include "commands/commands.h"
 #include "map_pair.h"
+#include "poses_out.h"
 
 namespace map_fusion {
 
@@ -17,6 +18,7 @@ bool runFuse(RunContext& run) {
     mergePair(run, pair);
   else
     std::cerr << "map-fusion: the match is rejected, nothing was merged (--force merges)\n";
+  savePoses(run, pair.fused != nullptr);
   drawPair(run, pair);
   return accepted;
 }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <iostream>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -15,10 +16,28 @@
 #include "fusion_base/error_text.h"
 #include "inputs.h"
 #include "map_pair.h"
+#include "poses_out.h"
+#include "priors.h"
 
 using mrpt::fusion::FusionMember;
 
 namespace map_fusion {
+
+namespace {
+
+/** Adds guesses to maps. If there are poses, they are the common frame of all maps. */
+void applyPriors(const Priors& priors, std::vector<mrpt::fusion::RobotMap>& maps) {
+  for (const auto& [pair, prior] : priors.pairs)
+    maps[pair.second].guesses.push_back({maps[pair.first].robot, prior});
+  if (priors.poses.empty()) return;
+  for (size_t k = 0; k < maps.size(); k++) {
+    const auto pose = priors.poses.find(k);
+    maps[k].pose = pose == priors.poses.end() ? mrpt::fusion::noGuess()
+                                              : mrpt::poses::CPose3DPDFGaussian(pose->second);
+  }
+}
+
+}  // namespace
 
 bool runFuseTeam(RunContext& run) {
   const auto robots = loadRobots(run);
@@ -28,11 +47,14 @@ bool runFuseTeam(RunContext& run) {
   choosePolicy(run);
   std::vector<mrpt::fusion::RobotMap> maps;
   maps.reserve(robots.size());
+  std::optional<Priors> priors;
+  if (!run.args.priors.empty()) priors = loadPriors(run.args.priors, robots.size());
   run.progress.show("extracting edges");
   for (const Robot& robot : robots)
     mrpt::fusion::withPath(robot.name, [&] {
       maps.push_back({robot.name, robot.map.prepared(run.options.features), robot.pose});
     });
+  if (priors) applyPriors(*priors, maps);
   const auto on_member = [&](const std::string& robot, size_t joined) {
     run.progress.show("matching " + robot + " with " + std::to_string(joined) + " joined maps");
   };
@@ -48,12 +70,15 @@ bool runFuseTeam(RunContext& run) {
   const bool is_mergeable = std::any_of(members.begin(), members.end(), [](const FusionMember& m) {
     return m.hasMatch() && !m.alignment.by_edges;
   });
+  for (const FusionMember& m : members)
+    if (m.joined && joined > 1) noteCounting(run, m.robot, m.counting, m.counted_with);
   if (joined > 1)
-    saveFused(run, std::move(result.map));
+    saveFused(run, std::move(result.map), result.sources);
   else if (is_mergeable)
     std::cerr << "map-fusion: all matches are rejected, nothing was merged (--force merges)\n";
   else
     std::cerr << "map-fusion: nothing was merged: only one robot sent more than edges\n";
+  savePoses(run, joined > 1);
   const bool accepted = std::all_of(members.begin(), members.end(), [](const FusionMember& m) {
     return m.alignment.by_edges || !m.hasMatch() || m.alignment.evaluation.accepted;
   });

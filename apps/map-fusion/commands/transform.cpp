@@ -9,6 +9,7 @@
 #include "commands/commands.h"
 #include "fusion_base/error_text.h"
 #include "fusion_octree/resampling.h"
+#include "fusion_octree/voxel_hash.h"
 #include "inputs.h"
 #include "output.h"
 #include "pose.h"
@@ -25,7 +26,10 @@ bool runTransform(RunContext& run) {
         return mrpt::fusion::transformOcTree(*map.octree, mrpt::fusion::toEigen(pose), resolution);
       });
   run.endStep("transform");
-  saveMap(moved, run.args.output);
+  mrpt::fusion::Sources sources = map.sources;  // the observations stay the same
+  for (auto& source : sources)
+    if (source.content_hash == 0) source.content_hash = mrpt::fusion::voxelHash(*map.octree);
+  saveMap(moved, run.args.output, sources);
   run.endStep("save");
   run.report.maps.push_back(mrpt::fusion::reportOn("transformed", run.args.output, *moved));
   return true;

@@ -2,7 +2,7 @@
 /** \file
  * Converts edge voxels to octrees and to PLY text. */
 #include <mrpt/core/exceptions.h>
-#include <mrpt/fusion/edge_octree.h>
+#include <mrpt/fusion/edges.h>
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 /** \file
  * Implements the data that copies of a prepared map share. */
 #include <mrpt/core/exceptions.h>
-#include <mrpt/fusion/edge_octree.h>
+#include <mrpt/fusion/edges.h>
 #include <mrpt/fusion/prepared_map.h>
 
 #include <cstring>
@@ -116,6 +116,18 @@ const EdgeVoxels& PreparedMap::edges() const { return prepared_->features.edges;
 size_t PreparedMap::occupiedVoxels() const { return prepared_->features.voxels.size(); }
 double PreparedMap::scale() const { return prepared_->features.scale; }
 uint64_t PreparedMap::contentHash() const { return prepared_->hash(); }
+
+const Sources& PreparedMap::sources() const {
+  static const Sources none;
+  return sources_ ? *sources_ : none;
+}
+
+PreparedMap PreparedMap::withSources(Sources sources) const {
+  PreparedMap copy(*this);
+  copy.sources_ = std::make_shared<const Sources>(std::move(sources));
+  return copy;
+}
+
 const MapFeatures& PreparedMap::features() const { return prepared_->features; }
 const MapFeatures& PreparedMap::featuresByEdges() const { return prepared_->byEdges(); }
 

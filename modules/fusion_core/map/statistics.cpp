@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
  * Computes counts and entropies of a map's leaves. */
-#include <mrpt/fusion/statistics.h>
+#include <mrpt/fusion/voxels.h>
 #include <octomap/octomap_utils.h>
 
 #include <cmath>

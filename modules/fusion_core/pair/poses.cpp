@@ -24,8 +24,10 @@ CPose3D mrpt::fusion::toPose(const Eigen::Isometry3d& T) {
   return CPose3D(mrpt::math::CMatrixDouble44(Eigen::Matrix4d(T.matrix())));
 }
 
-Matrix6d mrpt::fusion::toYawPitchRollCovariance(const Matrix6d& covariance,
-                                                const Eigen::Isometry3d& T) {
+namespace {
+
+/** Returns the matrix W of a pose: changes of yaw, pitch and roll by d are the rotation W d. */
+Eigen::Matrix3d rotationOfAngles(const Eigen::Isometry3d& T) {
   // R = Rz(yaw) Ry(pitch) Rx(roll), so a small rotation is
   // w = dyaw e_z + dpitch Rz e_y + droll Rz Ry e_x, and t moves by rho + w x t.
   const CPose3D pose = toPose(T);
@@ -33,11 +35,27 @@ Matrix6d mrpt::fusion::toYawPitchRollCovariance(const Matrix6d& covariance,
   const Eigen::Matrix3d Ry = Eigen::AngleAxisd(pose.pitch(), Eigen::Vector3d::UnitY()).matrix();
   Eigen::Matrix3d w_of_angles;
   w_of_angles << Eigen::Vector3d::UnitZ(), Rz.col(1), (Rz * Ry).col(0);
+  return w_of_angles;
+}
+
+}  // namespace
+
+Matrix6d mrpt::fusion::toYawPitchRollCovariance(const Matrix6d& covariance,
+                                                const Eigen::Isometry3d& T) {
   const Eigen::Vector3d t = T.translation();
   Matrix6d J = Matrix6d::Zero();
   J.topLeftCorner<3, 3>().setIdentity();
   J.topRightCorner<3, 3>() = -skew(t);
-  J.bottomRightCorner<3, 3>() = w_of_angles.inverse();
+  J.bottomRightCorner<3, 3>() = rotationOfAngles(T).inverse();
+  return J * covariance * J.transpose();
+}
+
+Matrix6d mrpt::fusion::fromYawPitchRollCovariance(const Matrix6d& covariance,
+                                                  const Eigen::Isometry3d& T) {
+  const Eigen::Matrix3d w_of_angles = rotationOfAngles(T);
+  Matrix6d J = Matrix6d::Identity();
+  J.topRightCorner<3, 3>() = skew(T.translation()) * w_of_angles;
+  J.bottomRightCorner<3, 3>() = w_of_angles;
   return J * covariance * J.transpose();
 }
 

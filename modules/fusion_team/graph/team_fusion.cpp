@@ -12,6 +12,7 @@
 #include "fusion_base/error_text.h"
 #include "fusion_core/pair/align_from.h"
 #include "fusion_team/graph/joint_verdict.h"
+#include "fusion_team/graph/team_links.h"
 #include "fusion_team/pairs/pair_matches.h"
 
 namespace mrpt::fusion {
@@ -66,17 +67,17 @@ const PairMatch& bestMatch(size_t k, const std::vector<PairMatch>& matches,
 }  // namespace
 
 std::vector<FusionMember> placeTeam(const std::vector<RobotMap>& maps, const Options& options,
-                                    const OnMember& on_member) {
+                                    const OnMember& on_member, PairMemory& memory) {
   for (const RobotMap& map : maps)
     withPath(map.robot,
              [&] { ASSERTMSG_(map.map.occupiedVoxels() > 0, "the map has no occupied voxel"); });
 
   // 1. Pairs: each map with each other map.
   ThreadExecutor executor;
-  const std::vector<PairMatch> matches = matchPairs(maps, options, executor, on_member);
+  const std::vector<PairMatch> matches = matchPairs(maps, options, executor, on_member, memory);
 
   // 2. Graph: the poses at which all pairs agree best, and their rivals.
-  EvidenceOfMaps evidence(maps, options);
+  EvidenceOfMaps evidence(maps, options, memory);
   evidence.adaptTolerance(matches);
   const std::vector<Way> ways = waysOf(matches, evidence);
   const TeamSearchResult found = searchTeam(ways, evidence, kStartsPerMap * maps.size());
@@ -108,7 +109,8 @@ std::vector<FusionMember> placeTeam(const std::vector<RobotMap>& maps, const Opt
     } else {
       const Eigen::Isometry3d T = match ? match->alignment.match.T_a_b.inverse()
                                         : placed[partner[k]].pose->inverse() * *p.pose;
-      member.alignment = alignFrom(maps[partner[k]].map, maps[k].map, T, options);
+      const PreparedMap &a = maps[partner[k]].map, &b = maps[k].map;
+      member.alignment = memory.registration(a, b, T, [&] { return alignFrom(a, b, T, options); });
     }
     Evaluation& e = member.alignment.evaluation;
     e.accepted = p.placed;
@@ -116,6 +118,7 @@ std::vector<FusionMember> placeTeam(const std::vector<RobotMap>& maps, const Opt
     e.runner_up = p.runner_up;
     e.is_ambiguous = !p.placed && p.runner_up > params.max_runner_up;
   });
+  addLinks(maps, options, placed, matches, evidence, executor, memory, members);
   // A map follows its partner, which is placed.
   std::vector<size_t> order{0};
   for (size_t next = 0; next < order.size(); next++)

@@ -5,6 +5,8 @@
 
 #include <vector>
 
+#include "fusion_team/pairs/pair_memory.h"
+
 /** \file
  * Places the maps of a team. */
 
@@ -15,8 +17,9 @@ namespace mrpt::fusion {
  * Cost: n (n-1) / 2 matches and a search of the configuration.
  * \param[in] maps Two or more whole maps.
  * \param[in] options Parameters of all stages.
- * \param[in] on_member See fuseMaps(). */
+ * \param[in] on_member See fuseMaps().
+ * \param[in,out] memory Results of earlier fusions with the same options. */
 std::vector<FusionMember> placeTeam(const std::vector<RobotMap>& maps, const Options& options,
-                                    const OnMember& on_member);
+                                    const OnMember& on_member, PairMemory& memory);
 
 }  // namespace mrpt::fusion

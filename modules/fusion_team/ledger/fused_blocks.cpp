@@ -15,6 +15,7 @@ using octomap::OcTreeNode;
 struct MapNode {
   const OcTree* map;
   const OcTreeNode* node;
+  bool counts;  // false if the map only fills unknown space
 };
 
 class CombiningVisitor {
@@ -37,7 +38,7 @@ class CombiningVisitor {
           end_(o.end_) {}
     State& operator=(State&&) = delete;
     ~State() {
-      if (stack_) stack_->resize(begin_, MapNode{nullptr, nullptr});
+      if (stack_) stack_->resize(begin_, MapNode{nullptr, nullptr, false});
     }
 
     void add(const MapNode& n) {
@@ -55,16 +56,21 @@ class CombiningVisitor {
     size_t begin_, end_;
   };
 
-  CombiningVisitor(const std::vector<std::shared_ptr<const OcTree>>& maps,
+  CombiningVisitor(const std::vector<std::shared_ptr<const OcTree>>& maps, size_t counting,
                    const MergeParams& params, const OcTreeAccess::SensorModel& model,
                    const OcTree& before, const TouchedSpace& touched)
-      : maps_(maps), params_(params), model_(model), before_(before), touched_(touched) {}
+      : maps_(maps),
+        counting_(counting),
+        params_(params),
+        model_(model),
+        before_(before),
+        touched_(touched) {}
 
   State rootState() {
     State s(stack_, before_.getRoot(), shareOf({}, before_.getRoot()));
     if (s.touched != TouchedSpace::Share::None)
-      for (const auto& map : maps_)
-        if (map->getRoot()) s.add({map.get(), map->getRoot()});
+      for (size_t k = 0; k < maps_.size(); k++)
+        if (const auto* root = maps_[k]->getRoot()) s.add({maps_[k].get(), root, k < counting_});
     return s;
   }
 
@@ -80,8 +86,8 @@ class CombiningVisitor {
     State s(stack_, before, touched);
     if (touched == TouchedSpace::Share::None) return s;
     for (size_t k = 0; k < parent.size(); k++) {
-      const OcTree* map = parent[k].map;
-      if (const auto* child = childOrSelf(*map, parent[k].node, i)) s.add({map, child});
+      const auto [map, node, counts] = parent[k];
+      if (const auto* child = childOrSelf(*map, node, i)) s.add({map, child, counts});
     }
     return s;
   }
@@ -94,10 +100,13 @@ class CombiningVisitor {
                                                : OcTreeFill::leaf(s.before->getLogOdds());
     }
     if (s.size() == 0) return OcTreeFill::unknown();
-    for (size_t k = 0; k < s.size(); k++)
+    // Maps that fill unknown space come last.
+    size_t n = s.size();
+    while (n > 1 && !s[n - 1].counts) n--;
+    for (size_t k = 0; k < n; k++)
       if (s[k].map->nodeHasChildren(s[k].node)) return OcTreeFill::split();
     values_.clear();
-    for (size_t k = 0; k < s.size(); k++) values_.push_back(s[k].node->getLogOdds());
+    for (size_t k = 0; k < n; k++) values_.push_back(s[k].node->getLogOdds());
     return OcTreeFill::leaf(combineLogOdds(values_.data(), values_.size(), params_,
                                            model_.clamp_min, model_.clamp_max));
   }
@@ -115,6 +124,7 @@ class CombiningVisitor {
   }
 
   const std::vector<std::shared_ptr<const OcTree>>& maps_;
+  size_t counting_;
   const MergeParams& params_;
   const OcTreeAccess::SensorModel& model_;
   const OcTree& before_;
@@ -146,12 +156,12 @@ float combineLogOdds(const float* values, size_t n, const MergeParams& params, f
 }
 
 std::unique_ptr<OcTree> combineOcTrees(const std::vector<std::shared_ptr<const OcTree>>& maps,
-                                       const MergeParams& params,
+                                       size_t counting, const MergeParams& params,
                                        const OcTreeAccess::SensorModel& model, const OcTree& before,
                                        const TouchedSpace& touched) {
   auto fused = std::make_unique<OcTree>(maps.front()->getResolution());
   OcTreeAccess::setSensorModel(*fused, model);
-  buildOcTreeInParallel(*fused, CombiningVisitor(maps, params, model, before, touched));
+  buildOcTreeInParallel(*fused, CombiningVisitor(maps, counting, params, model, before, touched));
   return fused;
 }
 

@@ -33,6 +33,8 @@ float combineLogOdds(const float* values, size_t n, const MergeParams& params, f
  * the number of threads.
  * \param[in] maps The octrees in the order of the combination. All have the resolution of
  * maps[0].
+ * \param[in] counting Number of first maps whose observations count. The other maps only fill space
+ * that none of these knows; the first of them that knows a voxel gives its value.
  * \param[in] params The policy.
  * \param[in] model Sensor model of the result.
  * \param[in] before Earlier result. Blocks that are not in \a touched are copied from it. Its maps
@@ -41,8 +43,8 @@ float combineLogOdds(const float* values, size_t n, const MergeParams& params, f
  * \return A new pruned octree.
  * Cost: one traversal of \a maps in the touched blocks, and of \a before elsewhere. */
 std::unique_ptr<octomap::OcTree> combineOcTrees(
-    const std::vector<std::shared_ptr<const octomap::OcTree>>& maps, const MergeParams& params,
-    const OcTreeAccess::SensorModel& model, const octomap::OcTree& before,
-    const TouchedSpace& touched);
+    const std::vector<std::shared_ptr<const octomap::OcTree>>& maps, size_t counting,
+    const MergeParams& params, const OcTreeAccess::SensorModel& model,
+    const octomap::OcTree& before, const TouchedSpace& touched);
 
 }  // namespace mrpt::fusion

@@ -6,7 +6,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -37,18 +36,6 @@ bool sameModel(const OcTreeAccess::SensorModel& a, const OcTreeAccess::SensorMod
          a.miss == b.miss && a.occupancy_threshold == b.occupancy_threshold;
 }
 
-/** Returns the placed slots, in order. Of slots with the same voxels only the first is returned,
- * unless all count. */
-template <class SlotPointer, class Slots>
-std::vector<SlotPointer> countedOf(Slots& slots, bool independent) {
-  std::vector<SlotPointer> counted;
-  std::set<uint64_t> seen;
-  for (auto& [name, slot] : slots)
-    if (slot.pose && (independent || seen.insert(slot.source.contentHash()).second))
-      counted.push_back(&slot);
-  return counted;
-}
-
 }  // namespace
 
 AddResult Ledger::add(Source source, const Pose& T_fused_source) {
@@ -68,7 +55,7 @@ AddResult Ledger::add(Source source, const Pose& T_fused_source) {
   const bool is_known = std::any_of(slots_.begin(), slots_.end(), [&](const auto& s) {
     return s.second.source.contentHash() == version.content_hash;
   });
-  slots_.emplace(name, Slot{std::move(source), T_fused_source, nullptr, false});
+  slots_.emplace(name, Slot{std::move(source), T_fused_source, nullptr, false, false});
   if (is_known && !params_.independent) return AddResult::SameContent;
   return is_new ? AddResult::Added : AddResult::Replaced;
 }
@@ -98,20 +85,40 @@ bool Ledger::move(const SourceName& name, const Pose& T_fused_source) {
   return true;
 }
 
-std::vector<const Ledger::Slot*> Ledger::counted() const {
-  return countedOf<const Slot*>(slots_, params_.independent);
+bool Ledger::holds(const SourceName& name, const std::shared_ptr<const OcTree>& map,
+                   Sources parts) const {
+  const auto held = slots_.find(name);
+  if (held == slots_.end() || held->second.source.map() != map) return false;
+  for (SourceId& part : parts)
+    if (part.content_hash == 0) part.content_hash = held->second.source.contentHash();
+  return held->second.source.parts() == parts;
 }
 
-std::vector<Ledger::Slot*> Ledger::counted() {
-  return countedOf<Slot*>(slots_, params_.independent);
+std::vector<std::pair<SourceName, Share>> Ledger::shares() const {
+  std::vector<std::pair<SourceName, Share>> shares;
+  std::vector<const Sources*> sources;
+  for (const auto& [name, slot] : slots_)
+    if (slot.pose) {
+      shares.emplace_back(name, Share());
+      sources.push_back(&slot.source.parts());
+    }
+  if (params_.independent) return shares;
+  const std::vector<Share> found = sharesOf(sources);
+  for (size_t i = 0; i < shares.size(); i++) shares[i].second = found[i];
+  return shares;
 }
 
 std::vector<LedgerEntry> Ledger::entries() const {
-  const auto in_map = counted();
   std::vector<LedgerEntry> all;
-  for (const auto& [name, slot] : slots_)
-    all.push_back(
-        {slot.source, slot.pose, std::find(in_map.begin(), in_map.end(), &slot) != in_map.end()});
+  const auto placed = shares();
+  auto share = placed.begin();
+  for (const auto& [name, slot] : slots_) {
+    all.push_back({slot.source, slot.pose, Counting::None, std::nullopt});
+    if (!slot.pose) continue;
+    all.back().counting = share->second.counting;
+    if (share->second.with) all.back().with = placed[*share->second.with].first;
+    ++share;
+  }
   return all;
 }
 
@@ -133,9 +140,17 @@ void Ledger::putOnGrid(const std::vector<Slot*>& slots) const {
 }
 
 std::shared_ptr<const OcTree> Ledger::map() {
-  const auto slots = counted();
+  std::vector<Slot*> slots;
+  std::vector<bool> counts;
+  for (auto& [name, slot] : slots_) slot.in_use = false;
+  for (const auto& [name, share] : shares()) {
+    if (share.counting == Counting::None || share.counting == Counting::Copy) continue;
+    slots.push_back(&slots_.at(name));
+    slots.back()->in_use = true;
+    counts.push_back(share.counting == Counting::All);
+  }
   for (auto& [name, slot] : slots_)  // bounds the memory
-    if (std::find(slots.begin(), slots.end(), &slot) == slots.end()) slot.on_grid = nullptr;
+    if (!slot.in_use) slot.on_grid = nullptr;
   if (slots.empty()) {
     fused_ = nullptr;
     fused_from_.clear();
@@ -145,34 +160,37 @@ std::shared_ptr<const OcTree> Ledger::map() {
 
   const OcTree& first = *slots.front()->source.map();
   const auto model = OcTreeAccess::sensorModel(first);
-  Octrees octrees{Order{params_.reference}};
-  std::vector<std::shared_ptr<const OcTree>> in_order;
-  for (const Slot* slot : slots) {
-    octrees.emplace(slot->source.name(), slot->on_grid);
-    in_order.push_back(slot->on_grid);
+  Parts parts{Order{params_.reference}};
+  std::vector<std::shared_ptr<const OcTree>> in_order, filling;
+  for (size_t i = 0; i < slots.size(); i++) {
+    parts.emplace(slots[i]->source.name(), Part{slots[i]->on_grid, counts[i]});
+    (counts[i] ? in_order : filling).push_back(slots[i]->on_grid);
   }
+  const size_t counting = in_order.size();
+  in_order.insert(in_order.end(), filling.begin(), filling.end());
   TouchedSpace touched;
   if (!fused_ || fused_->getResolution() != first.getResolution() ||
       !sameModel(OcTreeAccess::sensorModel(*fused_), model)) {
     touched.addAll();
   } else {
-    const auto addDifference = [&touched](const Octrees& some, const Octrees& others) {
-      for (const auto& [name, octree] : some) {
+    const auto addDifference = [&touched](const Parts& some, const Parts& others) {
+      for (const auto& [name, part] : some) {
         const auto other = others.find(name);
-        if (other == others.end() || other->second != octree) touched.add(*octree);
+        if (other == others.end() || other->second != part) touched.add(*part.octree);
       }
     };
-    addDifference(fused_from_, octrees);
-    addDifference(octrees, fused_from_);
+    addDifference(fused_from_, parts);
+    addDifference(parts, fused_from_);
   }
   touched.finish();
   if (touched.empty() && fused_) {
-    fused_from_ = std::move(octrees);
+    fused_from_ = std::move(parts);
     return fused_;
   }
   const OcTree none(first.getResolution());
-  fused_ = combineOcTrees(in_order, params_.merge, model, fused_ ? *fused_ : none, touched);
-  fused_from_ = std::move(octrees);
+  fused_ =
+      combineOcTrees(in_order, counting, params_.merge, model, fused_ ? *fused_ : none, touched);
+  fused_from_ = std::move(parts);
   return fused_;
 }
 

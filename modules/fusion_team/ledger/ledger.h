@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "fusion_team/ledger/identity.h"
 #include "fusion_team/ledger/source.h"
 
 /** \file
@@ -26,7 +27,7 @@ struct LedgerParams {
   /** Source that comes first in the order of the combination, if the ledger holds it. All other
    * sources follow in the order of their names. */
   std::optional<SourceName> reference;
-  /** If true, sources with the same voxels all count. If false, only the first of them counts. */
+  /** If true, all sources count. If false, no observation counts twice, see sharesOf(). */
   bool independent = false;
 };
 
@@ -34,8 +35,8 @@ struct LedgerParams {
 enum class AddResult {
   Added,        ///< The source is new
   Duplicate,    ///< The ledger holds this version of the source already; nothing changed
-  SameContent,  ///< The ledger keeps the source, but another source has the same voxels. Only the
-                ///< first of them counts
+  SameContent,  ///< The ledger keeps the source, but another source has the same voxels. Only one
+                ///< of them counts
   Replaced,     ///< The source is a newer version and replaces the older version
   Older         ///< The ledger holds or has removed a newer version; nothing changed
 };
@@ -45,7 +46,11 @@ struct LedgerEntry {
   Source source;                          ///< The source
   std::optional<Eigen::Isometry3d> pose;  ///< Pose of the source's frame in the fused map's frame;
                                           ///< empty if the source is not placed
-  bool counts = false;                    ///< True if the fused map holds the source's observations
+  Counting counting = Counting::None;     ///< How the source counts, if it is placed
+  std::optional<SourceName> with;         ///< Source with the same observations, if not all count
+
+  /** True if all observations of the source are in the fused map. */
+  bool counts() const { return pose && counting == Counting::All; }
 };
 
 /** The sources of a fused map.
@@ -53,6 +58,9 @@ struct LedgerEntry {
  * The fused map is a pure function of the sources, their poses and the settings. The order of the
  * calls, duplicates and late arrivals do not change a bit of it. The sources are combined in one
  * order: the reference first, then by name. See combineLogOdds().
+ *
+ * No observation counts twice: sources with the same voxels count once, and a fused map among the
+ * sources adds only what its parts have not added, see sharesOf().
  *
  * The first source that counts gives resolution and sensor model. If its pose is the identity, its
  * octree is used as it is; all others are resampled, see transformOcTree(). So the map of two
@@ -88,6 +96,9 @@ class Ledger {
    * \exception std::invalid_argument If the pose is not finite; nothing changes. */
   bool move(const SourceName& name, const std::optional<Eigen::Isometry3d>& T_fused_source);
 
+  /** True if the ledger holds a source with this octree, the same object, and these sources. */
+  bool holds(const SourceName& name, const std::shared_ptr<const octomap::OcTree>& map,
+             Sources parts) const;
   /** Returns all sources in the order of the combination. */
   std::vector<LedgerEntry> entries() const;
   /** Returns the fused map, null if no source is placed. The octree does not change afterwards: a
@@ -109,6 +120,7 @@ class Ledger {
     std::optional<Eigen::Isometry3d> pose;
     std::shared_ptr<const octomap::OcTree> on_grid;  // null if it must be computed
     bool is_resampled = false;                       // false if on_grid is the source's octree
+    bool in_use = false;                             // true if the fused map needs on_grid
   };
   /** Order of the combination. */
   struct Order {
@@ -118,17 +130,22 @@ class Ledger {
       return a < b;
     }
   };
-  using Octrees = std::map<SourceName, std::shared_ptr<const octomap::OcTree>, Order>;
+  /** The part that a source has in the fused map. */
+  struct Part {
+    std::shared_ptr<const octomap::OcTree> octree;
+    bool counts;  // false if it only fills unknown space
+    bool operator!=(const Part& o) const { return octree != o.octree || counts != o.counts; }
+  };
+  using Parts = std::map<SourceName, Part, Order>;
 
-  std::vector<const Slot*> counted() const;
-  std::vector<Slot*> counted();
+  std::vector<std::pair<SourceName, Share>> shares() const;
   void putOnGrid(const std::vector<Slot*>& slots) const;
 
   LedgerParams params_;
   std::map<SourceName, Slot, Order> slots_{Order{params_.reference}};
   std::map<SourceName, uint64_t> removed_;  // highest sequence that was removed
   std::shared_ptr<const octomap::OcTree> fused_;
-  Octrees fused_from_{Order{params_.reference}};  // octrees of the sources in fused_
+  Parts fused_from_{Order{params_.reference}};  // parts of fused_
 };
 
 }  // namespace mrpt::fusion

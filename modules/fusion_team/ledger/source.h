@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <mrpt/fusion/sources.h>
 #include <octomap/OcTree.h>
 
 #include <cstdint>
@@ -24,13 +25,6 @@ struct SourceName {
   }
 };
 
-/** Returns a hash of the resolution and of the log-odds of all voxels of an octree.
- *
- * Octrees with the same voxels have the same hash, pruned or not. Inner nodes and the sensor model
- * do not count. The hash is the same on all machines and in all versions. It is not cryptographic.
- * Cost: one traversal. */
-uint64_t voxelHash(const octomap::OcTree& map);
-
 /** One version of the map of one robot. An immutable value: copies share the octree. */
 class Source {
  public:
@@ -38,8 +32,12 @@ class Source {
    * \param[in] name Name of the source.
    * \param[in] sequence Number of the version. A newer version has a higher number.
    * \param[in] map The map. It is shared and must not change afterwards.
+   * \param[in] parts Sources of the map, if it is a fused map. Empty: the map is a source of its
+   * own, of an unknown robot, so that only a map with the same voxels is the same source. A content
+   * hash of 0 becomes that of the map.
    * \exception std::invalid_argument If the map is null. */
-  Source(SourceName name, uint64_t sequence, std::shared_ptr<const octomap::OcTree> map);
+  Source(SourceName name, uint64_t sequence, std::shared_ptr<const octomap::OcTree> map,
+         Sources parts = {});
 
   /** Returns the name. */
   const SourceName& name() const { return name_; }
@@ -49,12 +47,15 @@ class Source {
   const std::shared_ptr<const octomap::OcTree>& map() const { return map_; }
   /** Returns voxelHash() of the map. */
   uint64_t contentHash() const { return content_hash_; }
+  /** Returns the sources of the map, at least one. */
+  const Sources& parts() const { return parts_; }
 
  private:
   SourceName name_;
   uint64_t sequence_;
   std::shared_ptr<const octomap::OcTree> map_;
   uint64_t content_hash_;
+  Sources parts_;
 };
 
 }  // namespace mrpt::fusion

@@ -4,6 +4,7 @@
 #include "fusion_team/pairs/pair_evidence.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "fusion_core/features/features.h"
 #include "fusion_core/pair/match.h"
@@ -126,7 +127,7 @@ bool EvidenceOfPair::answers(const Known& known, const Eigen::Isometry3d& T_a_b)
 EvidenceOfPair::Known EvidenceOfPair::computed(const Eigen::Isometry3d& T_a_b) {
   if (!comparison_)
     comparison_ = std::make_unique<Comparison>(a_.features(), b_.features(), options_);
-  Known as_asked{T_a_b * middle_b_, false, at(T_a_b)};
+  Known as_asked{T_a_b * middle_b_, false, at(T_a_b), T_a_b};
   if (as_asked.evidence.contradicted() >= kHopeless * as_asked.evidence.confirmed())
     return as_asked;
   const Eigen::Isometry3d refined = comparison_->by_many.refined(T_a_b).T_a_b;
@@ -135,7 +136,18 @@ EvidenceOfPair::Known EvidenceOfPair::computed(const Eigen::Isometry3d& T_a_b) {
   PairEvidence there = at(refined);
   const double tolerance = options_.ranking.agreement.tolerance;
   if (scoreOf(there, tolerance) <= scoreOf(as_asked.evidence, tolerance)) return as_asked;
-  return {refined * middle_b_, true, std::move(there)};
+  return {refined * middle_b_, true, std::move(there), T_a_b};
+}
+
+EvidenceOfPair::Known EvidenceOfPair::rememberedOrComputed(const Eigen::Isometry3d& T_a_b) {
+  for (const Known& known : before_)
+    if (known.asked.matrix() == T_a_b.matrix()) return known;
+  return computed(T_a_b);
+}
+
+void EvidenceOfPair::restart() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  before_ = std::exchange(known_, {});
 }
 
 const PairEvidence& EvidenceOfPair::near(const Eigen::Isometry3d& T_a_b) {
@@ -143,9 +155,9 @@ const PairEvidence& EvidenceOfPair::near(const Eigen::Isometry3d& T_a_b) {
   for (const Known& known : known_)
     if (answers(known, T_a_b)) return known.evidence;
   if (mayMeet(T_a_b))
-    known_.push_back(computed(T_a_b));
+    known_.push_back(rememberedOrComputed(T_a_b));
   else
-    known_.push_back({T_a_b * middle_b_, false, {T_a_b, T_a_b, {}, {}}});
+    known_.push_back({T_a_b * middle_b_, false, {T_a_b, T_a_b, {}, {}}, T_a_b});
   return known_.back().evidence;
 }
 

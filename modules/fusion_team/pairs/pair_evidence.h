@@ -58,6 +58,10 @@ class EvidenceOfPair {
    * refined pose is farther away than a fifth of the tolerance of a right pose, the evidence is
    * that of the given pose. Cost: some milliseconds; microseconds where the maps do not meet. */
   const PairEvidence& near(const Eigen::Isometry3d& T_a_b);
+  /** Starts anew, as if no pose had been asked for: which evidence answers a question depends on
+   * the questions before. The evidence of a pose that was asked for since the last restart is not
+   * computed again. No reference of near() is valid afterwards. */
+  void restart();
   /** True if two poses of B differ by at most the tolerance of a right pose, times \a factor. */
   bool isSame(const Eigen::Isometry3d& T, const Eigen::Isometry3d& U, double factor = 1) const;
 
@@ -67,11 +71,13 @@ class EvidenceOfPair {
     Eigen::Vector3d middle;  // middle of B at the pose of the evidence, m
     bool is_refined;         // the evidence is that of the refined pose
     PairEvidence evidence;
+    Eigen::Isometry3d asked;  // pose of the question
   };
   bool mayMeet(const Eigen::Isometry3d& T_a_b) const;
   bool answers(const Known& known, const Eigen::Isometry3d& T_a_b) const;
   PairEvidence at(const Eigen::Isometry3d& T_a_b) const;
   Known computed(const Eigen::Isometry3d& T_a_b);
+  Known rememberedOrComputed(const Eigen::Isometry3d& T_a_b);
 
   PreparedMap a_, b_;
   Options options_;
@@ -79,6 +85,7 @@ class EvidenceOfPair {
   Eigen::Vector3d middle_b_;
   std::unique_ptr<Comparison> comparison_;
   std::deque<Known> known_;
+  std::deque<Known> before_;  // known before the last restart
   std::mutex mutex_;
 };
 

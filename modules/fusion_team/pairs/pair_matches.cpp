@@ -22,9 +22,22 @@ double exceededBy(double share, std::vector<double> values) {
   return *value;
 }
 
+/** Returns the prior of A's pose in B's frame. */
+Prior inverseOf(const Prior& prior) {
+  if (prior.isNone()) return Prior::none();
+  if (!prior.statesCovariance()) return Prior::near(-prior.guess());
+  mrpt::poses::CPose3DPDFGaussian inverse;
+  prior.pdf().inverse(inverse);
+  return Prior::gaussian(inverse);
+}
+
 }  // namespace
 
 Prior priorOf(const RobotMap& map, const RobotMap& in) {
+  for (const PoseGuess& guess : map.guesses)
+    if (guess.robot == in.robot) return guess.prior;
+  for (const PoseGuess& guess : in.guesses)
+    if (guess.robot == map.robot) return inverseOf(guess.prior);
   const double unknown = kUnknownPoseSigma * kUnknownPoseSigma;
   for (const auto& cov : {map.pose.cov, in.pose.cov})
     if (cov(0, 0) >= unknown) return Prior::none();
@@ -32,25 +45,31 @@ Prior priorOf(const RobotMap& map, const RobotMap& in) {
 }
 
 std::vector<PairMatch> matchPairs(const std::vector<RobotMap>& maps, const Options& options,
-                                  Executor& executor, const OnMember& on_member) {
+                                  Executor& executor, const OnMember& on_member,
+                                  PairMemory& memory) {
   std::vector<PairMatch> matches;
   for (size_t b = 0; b < maps.size(); b++)
     for (size_t a = 0; a < b; a++) matches.push_back({a, b, {}});
   std::mutex mutex;
   executor.run(matches.size(), [&](size_t i) {
     PairMatch& m = matches[i];
-    if (on_member) {
-      const std::lock_guard<std::mutex> lock(mutex);
-      on_member(maps[m.b].robot, m.a + 1);
-    }
     withPath(maps[m.b].robot, [&] {
-      m.alignment = align(maps[m.a].map, maps[m.b].map, priorOf(maps[m.b], maps[m.a]), options);
+      const PreparedMap &a = maps[m.a].map, &b = maps[m.b].map;
+      const Prior prior = priorOf(maps[m.b], maps[m.a]);
+      m.alignment = memory.match(a, b, prior, [&] {
+        if (on_member) {
+          const std::lock_guard<std::mutex> lock(mutex);
+          on_member(maps[m.b].robot, m.a + 1);
+        }
+        return align(a, b, prior, options);
+      });
     });
   });
   return matches;
 }
 
-EvidenceOfMaps::EvidenceOfMaps(const std::vector<RobotMap>& maps, const Options& options)
+EvidenceOfMaps::EvidenceOfMaps(const std::vector<RobotMap>& maps, const Options& options,
+                               PairMemory& memory)
     : maps_(maps), pairs_(maps.size()) {
   double scale = 0;
   for (size_t a = 0; a < maps.size(); a++) {
@@ -63,7 +82,7 @@ EvidenceOfMaps::EvidenceOfMaps(const std::vector<RobotMap>& maps, const Options&
     middle_.push_back(meanOf(map.matched.voxels.centre));
     scale = std::max(scale, map.scale);
     for (size_t b = a + 1; b < maps.size(); b++)
-      pairs_[a].push_back(std::make_unique<EvidenceOfPair>(maps[a].map, maps[b].map, options));
+      pairs_[a].push_back(memory.evidence(maps[a].map, maps[b].map, options));
   }
   tolerance_ = options.evaluation.tolerance;
   tolerance_.translation *= scale;

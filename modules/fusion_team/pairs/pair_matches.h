@@ -8,6 +8,7 @@
 
 #include "fusion_team/graph/team_graph.h"
 #include "fusion_team/pairs/executor.h"
+#include "fusion_team/pairs/pair_memory.h"
 
 /** \file
  * The matches of the pairs of a team, and the evidence of all pairs. */
@@ -25,14 +26,15 @@ struct PairMatch {
 Prior priorOf(const RobotMap& map, const RobotMap& in);
 
 /** Matches all pairs of whole maps. Each match is independent of the others.
- * Cost: n (n-1) / 2 matches. */
+ * Cost: n (n-1) / 2 matches, less those that \a memory knows. */
 std::vector<PairMatch> matchPairs(const std::vector<RobotMap>& maps, const Options& options,
-                                  Executor& executor, const OnMember& on_member);
+                                  Executor& executor, const OnMember& on_member,
+                                  PairMemory& memory);
 
 /** The evidence of a team of whole maps. It refers to the maps, which must outlive it. */
 class EvidenceOfMaps : public TeamEvidence {
  public:
-  EvidenceOfMaps(const std::vector<RobotMap>& maps, const Options& options);
+  EvidenceOfMaps(const std::vector<RobotMap>& maps, const Options& options, PairMemory& memory);
 
   size_t size() const override { return maps_.size(); }
   const PairEvidence& near(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const override;
@@ -50,7 +52,7 @@ class EvidenceOfMaps : public TeamEvidence {
   static constexpr ConflictTolerance kLeastTolerance{0.03, 0.01};
   const std::vector<RobotMap>& maps_;
   std::vector<double> area_of_obstacle_;
-  std::vector<std::vector<std::unique_ptr<EvidenceOfPair>>> pairs_;  // by a and b - a - 1
+  std::vector<std::vector<std::shared_ptr<EvidenceOfPair>>> pairs_;  // by a and b - a - 1
   std::vector<Eigen::Vector3d> middle_;
   PoseTolerance tolerance_;
   ConflictTolerance conflict_tolerance_ = kLeastTolerance;

@@ -2,7 +2,7 @@
 #include "../tiling.h"
 
 #include <gtest/gtest.h>
-#include <mrpt/fusion/statistics.h>
+#include <mrpt/fusion/voxels.h>
 #include <stdlib.h>
 
 #include <filesystem>

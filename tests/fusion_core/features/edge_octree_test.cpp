@@ -2,7 +2,7 @@
 /** \file
  * Tests of edge voxels as octrees and as text. */
 #include <gtest/gtest.h>
-#include <mrpt/fusion/edge_octree.h>
+#include <mrpt/fusion/edges.h>
 
 #include <algorithm>
 #include <cmath>

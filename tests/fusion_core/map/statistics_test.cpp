@@ -2,7 +2,7 @@
 /** \file
  * Tests of counts and entropies of a map. */
 #include <gtest/gtest.h>
-#include <mrpt/fusion/statistics.h>
+#include <mrpt/fusion/voxels.h>
 
 #include <cmath>
 #include <cstddef>

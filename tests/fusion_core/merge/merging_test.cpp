@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 #include <mrpt/fusion/merging.h>
-#include <mrpt/fusion/statistics.h>
 #include <mrpt/fusion/voxels.h>
 
 #include <cmath>

@@ -3,10 +3,11 @@
  * Tests of one map that grows by the maps that meet it. */
 #include <gtest/gtest.h>
 #include <mrpt/fusion/many_maps.h>
-#include <mrpt/fusion/statistics.h>
+#include <mrpt/fusion/voxels.h>
 
 #include <algorithm>
 #include <cstddef>
+#include <map>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -78,9 +79,9 @@ TEST_F(Growing, MatchesNoPairTwice) {
       {a(), c(), b()}, {}, false,
       [&](const std::string& robot, size_t joined) { matched.emplace_back(robot, joined); });
   ASSERT_TRUE(result.members[1].joined);
-  // c with a; b with a and c. The order is that of the threads.
+  // b with a; c with a and b. The order is that of the threads.
   std::sort(matched.begin(), matched.end());
-  const std::vector<std::pair<std::string, size_t>> expected = {{"b", 1}, {"b", 2}, {"c", 1}};
+  const std::vector<std::pair<std::string, size_t>> expected = {{"b", 1}, {"c", 1}, {"c", 2}};
   EXPECT_EQ(matched, expected);
 }
 
@@ -141,6 +142,84 @@ TEST_F(Growing, LeavesTheMapsAsTheyWere) {
   fused();
   EXPECT_TRUE(*a().map.octree() == *pair().map_a);
   EXPECT_TRUE(*b().map.octree() == *pair().map_b);
+}
+
+TEST_F(Growing, LinksAreTheMatchesThatHoldTheMapsTogether) {
+  const auto& members = fused().members;  // a, c, b
+  EXPECT_TRUE(members[0].links.empty());
+  ASSERT_EQ(members[1].links.size(), 1U);
+  EXPECT_EQ(members[1].links[0].with, 2U) << "c is held by b";
+  ASSERT_EQ(members[2].links.size(), 1U);
+  EXPECT_EQ(members[2].links[0].with, 0U) << "b is held by a";
+  for (const size_t k : {1U, 2U}) {
+    const MatchResult& match = members[k].alignment.match;
+    EXPECT_EQ(members[k].links[0].T_a_b.matrix(), match.T_a_b.matrix());
+    EXPECT_EQ(members[k].links[0].covariance, match.covariance);
+  }
+}
+
+TEST_F(Growing, OfTwoMapsHasOneLinkIfTheyJoin) {
+  EXPECT_EQ(fuseMaps({a(), b()}, {}).members[1].links.size(), 1U);
+  EXPECT_TRUE(fuseMaps({a(), c()}, {}).members[1].links.empty());
+}
+
+TEST_F(Growing, AGuessOfAPairIsItsPrior) {
+  RobotMap guessed = b();
+  const auto exact = [&](const Eigen::Isometry3d& T) {
+    mrpt::poses::CPose3DPDFGaussian pdf(toPose(T));
+    pdf.cov.setDiagonal(6, 1e-4);
+    return Prior::gaussian(pdf);
+  };
+  Eigen::Isometry3d wrong = pair().truth;
+  wrong.translation().x() += 30;
+  guessed.guesses = {{"a", exact(wrong)}};
+  EXPECT_FALSE(fuseMaps({a(), guessed}, {}).members[1].joined);
+  guessed.guesses = {{"another robot", exact(wrong)}, {"a", exact(pair().truth)}};
+  EXPECT_TRUE(fuseMaps({a(), guessed}, {}).members[1].joined);
+  // The guess may be that of the other map.
+  RobotMap other = a();
+  other.guesses = {{"b", exact(wrong.inverse())}};
+  EXPECT_FALSE(fuseMaps({other, b()}, {}).members[1].joined);
+  other.guesses = {{"b", exact(pair().truth.inverse())}};
+  EXPECT_TRUE(fuseMaps({other, b()}, {}).members[1].joined);
+}
+
+TEST_F(Growing, TheOrderOfTheOtherMapsDoesNotChangeABit) {
+  const Eigen::Isometry3d T_d_w = poseOf(2, 5, 0.2, -70, 0.2, 0.3);
+  const auto map_d = transformOcTree(*apartment({20, 0, 0}, {80, 69, 25}), T_d_w, kVoxel);
+  const RobotMap d{"d", PreparedMap(*map_d)}, edges{"e", PreparedMap(pair().b.edges)};
+  std::vector<RobotMap> rest = {b(), c(), d};
+  const auto isBefore = [](const RobotMap& m, const RobotMap& n) { return m.robot < n.robot; };
+  std::map<std::string, FusionMember> expected;
+  std::unique_ptr<octomap::OcTree> expected_map;
+  size_t orders = 0;
+  do {
+    std::vector<RobotMap> maps = rest;
+    maps.insert(maps.begin(), a());
+    maps.insert(maps.begin() + static_cast<std::ptrdiff_t>(orders % 5), edges);
+    ManyFused result = fuseMaps(maps, {});
+    orders++;
+    if (!expected_map) {
+      expected_map = std::move(result.map);
+      for (const auto& m : result.members) expected[m.robot] = m;
+      continue;
+    }
+    EXPECT_TRUE(*result.map == *expected_map);
+    for (size_t k = 0; k < maps.size(); k++) {
+      const FusionMember &m = result.members[k], &e = expected.at(maps[k].robot);
+      EXPECT_EQ(m.robot, maps[k].robot);
+      EXPECT_EQ(m.joined, e.joined) << m.robot;
+      EXPECT_EQ(m.matched_with, e.matched_with) << m.robot;
+      EXPECT_EQ(toEigen(m.pose.mean).matrix(), toEigen(e.pose.mean).matrix()) << m.robot;
+      EXPECT_EQ(m.alignment.match.covariance, e.alignment.match.covariance) << m.robot;
+      EXPECT_EQ(m.alignment.evaluation.reasons, e.alignment.evaluation.reasons) << m.robot;
+      ASSERT_EQ(m.links.size(), e.links.size()) << m.robot;
+      for (size_t i = 0; i < m.links.size(); i++)
+        EXPECT_EQ(m.links[i].T_a_b.matrix(), e.links[i].T_a_b.matrix()) << m.robot;
+    }
+  } while (std::next_permutation(rest.begin(), rest.end(), isBefore));
+  EXPECT_EQ(orders, 6U);
+  EXPECT_TRUE(expected.at("b").joined && expected.at("c").joined && expected.at("d").joined);
 }
 
 TEST_F(Growing, WithoutAnyThatMeetsStaysTheFirstMap) {

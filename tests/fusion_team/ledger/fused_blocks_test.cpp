@@ -57,7 +57,7 @@ TEST(CombineOcTrees, ComputesOnlyTouchedBlocks) {
   TouchedSpace touched;
   touched.add(*oneVoxel({3, 3, 3}, 1.F));
   touched.finish();
-  const auto fused = combineOcTrees({map}, {}, OcTreeAccess::sensorModel(*map), before, touched);
+  const auto fused = combineOcTrees({map}, 1, {}, OcTreeAccess::sensorModel(*map), before, touched);
   const map_tests::VoxelMap expected = {{{-20, 0, 0}, -1.F},
                                         {{0, 0, 0}, 1.F},
                                         {{15, 0, 0}, 1.F},
@@ -70,7 +70,7 @@ TEST(CombineOcTrees, CombinesHugeLeavesWithSmallVoxels) {
   TouchedSpace all;
   all.addAll();
   const OcTree none(0.1);
-  const auto fused = combineOcTrees({rootLeaf(-1.F), oneVoxel({5, 6, 7}, 3.F)}, {},
+  const auto fused = combineOcTrees({rootLeaf(-1.F), oneVoxel({5, 6, 7}, 3.F)}, 2, {},
                                     OcTreeAccess::sensorModel(none), none, all);
   EXPECT_EQ(fused->search(keyOf({5, 6, 7}))->getLogOdds(), 2.F);
   EXPECT_EQ(fused->search(keyOf({5, 6, 8}))->getLogOdds(), -1.F);

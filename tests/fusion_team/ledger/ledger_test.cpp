@@ -193,11 +193,11 @@ TEST(Ledger, CountsEqualMapsOnceInAnyOrder) {
   reversed.add(sourceOf(1, 1), placeOf(1));
   EXPECT_TRUE(sameMap(ledger.map(), alone.map()));
   EXPECT_TRUE(sameMap(reversed.map(), alone.map()));
-  EXPECT_TRUE(ledger.entries()[0].counts);
-  EXPECT_FALSE(ledger.entries()[1].counts);
+  EXPECT_TRUE(ledger.entries()[0].counts());
+  EXPECT_FALSE(ledger.entries()[1].counts());
   // The copy counts as soon as the first is gone.
   ledger.remove(nameOf(1));
-  EXPECT_TRUE(ledger.entries()[0].counts);
+  EXPECT_TRUE(ledger.entries()[0].counts());
   EXPECT_TRUE(sameMap(ledger.map(), fromScratch(ledger)));
 }
 

@@ -68,7 +68,8 @@ TEST(PairEvidence, MapsThatDoNotMeetSayNothing) {
 ConflictTolerance adapted(const PreparedMap& a, const PreparedMap& b, bool accepted,
                           double runner_up) {
   const std::vector<RobotMap> maps{{"a", a}, {"b", b}};
-  EvidenceOfMaps evidence(maps, Options());
+  PairMemory memory;
+  EvidenceOfMaps evidence(maps, Options(), memory);
   PairMatch match{0, 1, {}};
   match.alignment.evaluation.accepted = accepted;
   match.alignment.evaluation.runner_up = runner_up;

@@ -2,7 +2,7 @@
 /** \file
  * Tests of what a small stream may cost. */
 
-#include <mrpt/fusion/edge_octree.h>
+#include <mrpt/fusion/edges.h>
 #include <mrpt/fusion/map_files.h>
 #include <mrpt/maps/CEdgeVoxelMap.h>
 #include <mrpt/obs/CObservationLocalMap.h>

@@ -3,6 +3,8 @@
 
 #include <mrpt/fusion/alignment.h>
 #include <mrpt/fusion/export.h>
+#include <mrpt/fusion/merging.h>
+#include <mrpt/fusion/sources.h>
 
 #include <cstddef>
 #include <functional>
@@ -15,12 +17,28 @@
 
 namespace mrpt::fusion {
 
+/** Knowledge of a map's pose in the frame of another robot's map. */
+struct PoseGuess {
+  std::string robot;  ///< Name of the other robot; its map is A
+  Prior prior;        ///< Pose of the map in A's frame
+};
+
 /** One robot's map. */
 struct RobotMap {
   std::string robot;  ///< Name of the robot
   PreparedMap map;    ///< Map of the robot, prepared with the features of the options
   /** Pose of the map's frame in a common frame; noGuess() if unknown. */
   mrpt::poses::CPose3DPDFGaussian pose = noGuess();
+  /** Guesses for single pairs. The guess of a pair replaces what \a pose says of it. */
+  std::vector<PoseGuess> guesses = {};
+};
+
+/** A match that holds a map in its place. */
+struct FusionLink {
+  size_t with =
+      0;  ///< Index of the member whose map is A. Map B is that of the member with the link
+  Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();  ///< Measured pose of map B in A's frame
+  Matrix6d covariance = Matrix6d::Zero();                   ///< See MatchResult::covariance
 };
 
 /** The result for one robot's map. */
@@ -30,6 +48,12 @@ struct FusionMember {
   mrpt::poses::CPose3DPDFGaussian pose;  ///< Pose in the frame of the fused map, if known
   std::string matched_with;  ///< Robot whose map is A of the alignment; empty for the first map
   Alignment alignment;       ///< Best match; the pose is in the frame of \a matched_with
+  Counting counting = Counting::All;  ///< How the map counts in the fused map, if it has joined
+  std::string
+      counted_with;  ///< Robot whose map has the same sources; empty if all observations count
+  /** Matches that hold the map in its place, if it has joined. A match of two maps is a link of one
+   * of both. The first link is \a alignment. */
+  std::vector<FusionLink> links;
 
   /** True except for the first map. The first map keeps its frame; all other maps are matched. */
   bool hasMatch() const { return alignment.voxels_b > 0; }
@@ -39,6 +63,7 @@ struct FusionMember {
 struct ManyFused {
   std::unique_ptr<octomap::OcTree> map;  ///< Fused map, in the frame of the first whole map
   std::vector<FusionMember> members;     ///< Result of each map, in the order of the input
+  Sources sources;                       ///< Sources of the maps that have joined
 };
 
 /** Called before each match with a robot and the number of maps that the robot is matched with,
@@ -52,7 +77,9 @@ using OnMember = std::function<void(const std::string& robot, size_t joined)>;
  * place agrees nearly as well, and if a loop of matches confirms its place or a match is sure
  * without a loop, see doc/decisions/037-team.md. So a match that would be rejected alone can join,
  * and a match that would be accepted alone can be rejected. Maps that have only edges are matched
- * last, for their poses. Cost: n (n-1) / 2 matches for n maps, and a search of the poses.
+ * last, for their poses. The first whole map keeps its frame; the order of the other maps does not
+ * change the result. No observation counts twice, see Counting, unless options.merge.independent
+ * says so. Cost: n (n-1) / 2 matches for n maps, and a search of the poses.
  * \param[in] maps One map of each robot.
  * \param[in] options Parameters of all stages.
  * \param[in] even_rejected If true, maps that have not joined are matched with all joined maps,
@@ -64,5 +91,73 @@ using OnMember = std::function<void(const std::string& robot, size_t joined)>;
 MRPT_FUSION_API ManyFused fuseMaps(const std::vector<RobotMap>& maps, const Options& options,
                                    bool even_rejected = false, const OnMember& on_member = {},
                                    const OnIteration& on_iteration = {});
+
+/** The fused map of a team, and the result for each robot. */
+struct TeamState {
+  std::shared_ptr<const octomap::OcTree> map;  ///< Fused map; null if the team has no map
+  std::vector<FusionMember> members;           ///< Result of each map, in the order of the robots
+  Sources sources;                             ///< Sources of the maps that have joined
+};
+
+/** A team whose maps change: robots come, send newer maps, and go.
+ *
+ * The state is that of fuseMaps() with the present maps, bit for bit. The maps are in the order in
+ * which their robots came; a newer map keeps the place of the older map. So the robot that came
+ * first keeps its frame while it has a whole map in the team.
+ *
+ * Several threads may call all functions. A change does not wait for a fusion.
+ *
+ * Cost of a state: the matches of the maps that have changed with all other maps, the search of the
+ * poses with the evidence of all other pairs remembered, and the blocks of the fused map that have
+ * changed. */
+class MRPT_FUSION_API MapTeam {
+ public:
+  /** \param[in] options Parameters of all stages. */
+  explicit MapTeam(Options options = {});
+  ~MapTeam();
+  MapTeam(const MapTeam&) = delete;
+  MapTeam& operator=(const MapTeam&) = delete;
+
+  /** Adds the map of a robot, or replaces it. */
+  void set(RobotMap map);
+  /** Removes the map of a robot. \return False if the team has no such robot. */
+  bool remove(const std::string& robot);
+  /** Returns the names of the robots, in their order. */
+  std::vector<std::string> robots() const;
+  /** Returns the state of all maps that are in the team at the time of the call. Fuses if something
+   * has changed. The state does not change afterwards.
+   * \exception std::exception As fuseMaps(). */
+  std::shared_ptr<const TeamState> state();
+
+ private:
+  struct Shared;
+  std::unique_ptr<Shared> shared_;
+};
+
+/** A map and its sources. */
+struct SourcedMap {
+  const octomap::OcTree& map;  ///< The map. Not owned
+  Sources sources = {};        ///< Its sources; empty: the map is a source of its own
+};
+
+/** The result of mergeSources(). */
+struct MergedSources {
+  std::unique_ptr<octomap::OcTree> map;  ///< Fused map
+  Counting of_a = Counting::All;         ///< How map A counts
+  Counting of_b = Counting::All;         ///< How map B counts
+  Sources sources;                       ///< Sources of both maps
+};
+
+/** Merges two maps so that no observation counts twice. Maps without a common source are merged by
+ * mergeMaps(). If one map holds all sources of the other map, the result is this map, in A's frame.
+ * \param[in] a,b The maps.
+ * \param[in] T_a_b Pose of map B in A's frame.
+ * \param[in] params The policy. If `independent` is set, both maps count.
+ * \param[in] is_given True if the user gives the pose. Maps with the same voxels are one source
+ * then only if the pose moves no point of B by half a voxel: at another pose both count.
+ * \exception std::exception As mergeMaps(). */
+MRPT_FUSION_API MergedSources mergeSources(const SourcedMap& a, const SourcedMap& b,
+                                           const Eigen::Isometry3d& T_a_b,
+                                           const MergeParams& params, bool is_given = false);
 
 }  // namespace mrpt::fusion

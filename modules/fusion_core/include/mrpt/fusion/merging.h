@@ -32,6 +32,9 @@ MRPT_FUSION_API const std::vector<std::pair<MergePolicy, const char*>>& mergePol
 struct MergeParams {
   MergePolicy policy = MergePolicy::Bayes;  ///< Rule for voxels known in both maps
   double kl_threshold = 0.1;  ///< Largest relativeEntropy() for the mean, nats (Table I)
+  /** If true, maps with the same sources all count, see Counting. mergeMaps() does not compare
+   * sources. */
+  bool independent = false;
 };
 
 /** Eq. (27): returns KL(p || q) of two occupancy probabilities, nats, >= 0, not symmetric. The

@@ -25,6 +25,10 @@ MRPT_FUSION_API mrpt::poses::CPose3D toPose(const Eigen::Isometry3d& T);
 MRPT_FUSION_API Matrix6d toYawPitchRollCovariance(const Matrix6d& covariance,
                                                   const Eigen::Isometry3d& T);
 
+/** Inverts toYawPitchRollCovariance(). */
+MRPT_FUSION_API Matrix6d fromYawPitchRollCovariance(const Matrix6d& covariance,
+                                                    const Eigen::Isometry3d& T);
+
 /** Largest coordinate of a pose from outside, m. Coordinates on the earth are below 1e7 m. */
 constexpr double kMostCoordinate = 1e8;
 

@@ -3,6 +3,7 @@
 
 #include <mrpt/fusion/edges.h>
 #include <mrpt/fusion/export.h>
+#include <mrpt/fusion/sources.h>
 #include <mrpt/fusion/voxels.h>
 #include <octomap/OcTree.h>
 
@@ -73,6 +74,13 @@ class MRPT_FUSION_API PreparedMap {
    * hash is not cryptographic. */
   uint64_t contentHash() const;
 
+  /** Returns the sources that withSources() has set. Empty: the map is a source of its own, of an
+   * unknown robot. */
+  const Sources& sources() const;
+  /** Returns this map with sources: those of a fused map, or the identity of the map of one robot.
+   * The copy shares octree and features. */
+  PreparedMap withSources(Sources sources) const;
+
   /** Returns the features, for the stages of matching. The reference is valid as long as this map
    * or a copy of it exists. */
   const MapFeatures& features() const;
@@ -82,6 +90,7 @@ class MRPT_FUSION_API PreparedMap {
  private:
   struct Prepared;
   std::shared_ptr<const Prepared> prepared_;
+  std::shared_ptr<const Sources> sources_;  // null: none are set
 };
 
 }  // namespace mrpt::fusion

@@ -4,6 +4,7 @@
 #include <mrpt/config/CLoadableOptions.h>
 #include <mrpt/fusion/compat.h>
 #include <mrpt/fusion/export.h>
+#include <mrpt/fusion/sources.h>
 #include <mrpt/maps/CMetricMap.h>
 #include <mrpt/maps/COctoMap.h>
 #include <mrpt/poses/CPose3D.h>
@@ -12,6 +13,10 @@
 #include <memory>
 #include <string>
 #include <vector>
+
+namespace mrpt::fusion {
+struct SourcesOfMap;
+}
 
 namespace mrpt::maps {
 
@@ -122,6 +127,15 @@ class MRPT_FUSION_API CProbOctoMap : public CMetricMap {
   octomap::OcTree& octree() { return *m_octree; }  //!< \overload
   /** Takes over a tree. The sensor model of the tree becomes that of insertionOptions. */
   void setOctree(std::unique_ptr<octomap::OcTree> tree);
+
+  /** Returns the sources of a fused map: which maps of which robots are in it. Empty: the map is
+   * not known to be fused. If the voxels have changed since setSources(), the map itself is one
+   * more source. Copies, streams and missions carry the sources; octree files do not. Cost: one
+   * traversal, nothing without sources. */
+  mrpt::fusion::Sources sources() const;
+  /** Sets the sources of the present voxels. Names are cut after 1000 bytes.
+   * \exception std::length_error If there are more than 100000 sources. */
+  void setSources(mrpt::fusion::Sources sources);
 
   /** Returns the voxel size, m. */
   double getResolution() const { return m_octree->getResolution(); }
@@ -275,7 +289,10 @@ class MRPT_FUSION_API CProbOctoMap : public CMetricMap {
    * nodes costs less than one update for each leaf. */
   void finishInsertion();
 
+  friend struct mrpt::fusion::SourcesOfMap;
   std::unique_ptr<octomap::OcTree> m_octree;
+  mrpt::fusion::Sources m_sources;
+  uint64_t m_sources_hash = 0;  //!< Hash of the voxels that have these sources
   mutable std::shared_ptr<const CSimplePointsMap> m_points;  //!< Last points; atomic access
 };
 
