@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <iostream>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "fusion_base/error_text.h"
 #include "inputs.h"
 #include "map_pair.h"
+#include "pages.h"
 
 using mrpt::fusion::FusionMember;
 
@@ -48,12 +50,14 @@ bool runFuseTeam(RunContext& run) {
   const bool is_mergeable = std::any_of(members.begin(), members.end(), [](const FusionMember& m) {
     return m.hasMatch() && !m.alignment.by_edges;
   });
+  const std::shared_ptr<const octomap::OcTree> fused = std::move(result.map);
   if (joined > 1)
-    saveFused(run, std::move(result.map));
+    saveFused(run, fused);
   else if (is_mergeable)
     std::cerr << "map-fusion: all matches are rejected, nothing was merged (--force merges)\n";
   else
     std::cerr << "map-fusion: nothing was merged: only one robot sent more than edges\n";
+  drawTeamPage(run, robots, joined > 1 ? fused : nullptr);
   const bool accepted = std::all_of(members.begin(), members.end(), [](const FusionMember& m) {
     return m.alignment.by_edges || !m.hasMatch() || m.alignment.evaluation.accepted;
   });

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The camera, its controls by mouse, touch and keys, and the drawing. Draws only when something changed.
+import {Box3, ColorManagement, LinearSRGBColorSpace, PerspectiveCamera, Scene, Spherical, Vector3, WebGLRenderer} from 'three';
+import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
+
+ColorManagement.enabled = false;
+const kUp = new Vector3(0, 0, 1);
+
+export class View {
+  /** \exception Error If the browser has no WebGL. */
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.renderer = new WebGLRenderer({canvas, antialias: true, preserveDrawingBuffer: true, powerPreference: 'high-performance'});
+    this.renderer.outputColorSpace = LinearSRGBColorSpace;
+    this.scene = new Scene();
+    this.camera = new PerspectiveCamera(38, 1, 0.1, 1000);
+    this.camera.up.copy(kUp);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.screenSpacePanning = true;
+    this.controls.addEventListener('change', () => this.draw());
+    this.after = []; // called after each frame
+    this.waiting = false;
+    this.box = new Box3(new Vector3(-1, -1, -1), new Vector3(1, 1, 1));
+    canvas.addEventListener('keydown', (e) => this.onKey(e));
+    new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
+    this.resize();
+  }
+
+  resize() {
+    const {clientWidth: w, clientHeight: h} = this.canvas.parentElement;
+    if (w === 0 || h === 0) return;
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
+    this.renderer.setSize(w, h, false);
+    this.camera.aspect = w / h;
+    this.camera.updateProjectionMatrix();
+    this.drawNow();
+  }
+
+  /** Draws with the next frame of the browser. */
+  draw() {
+    if (this.waiting) return;
+    this.waiting = true;
+    requestAnimationFrame(() => {
+      this.waiting = false;
+      this.drawNow();
+    });
+  }
+
+  drawNow() {
+    this.renderer.render(this.scene, this.camera);
+    for (const f of this.after) f();
+  }
+
+  /** Looks at the whole box from a direction. \param[in] down Angle from straight down, rad. */
+  look(down = 0.72, around = -0.62) {
+    const centre = this.box.getCenter(new Vector3());
+    const fit = new PerspectiveCamera();
+    const d = new Vector3(Math.sin(down) * Math.cos(around - Math.PI / 2 + 0.35), Math.sin(down) * Math.sin(around - Math.PI / 2 + 0.35), Math.cos(down));
+    fit.up.copy(kUp);
+    fit.position.copy(centre).add(d);
+    fit.lookAt(centre);
+    fit.updateMatrixWorld();
+    // The nearest distance from which all corners of the box are in the picture.
+    const tanY = Math.tan((this.camera.fov * Math.PI) / 360), tanX = tanY * this.camera.aspect;
+    const x = new Vector3(), y = new Vector3(), z = new Vector3();
+    fit.matrixWorld.extractBasis(x, y, z);
+    let distance = 0.5;
+    const {min, max} = this.box;
+    const mid = new Vector3();
+    let lowX = Infinity, highX = -Infinity, lowY = Infinity, highY = -Infinity;
+    const corners = [];
+    for (let i = 0; i < 8; i++)
+      corners.push(new Vector3(i & 1 ? max.x : min.x, i & 2 ? max.y : min.y, i & 4 ? max.z : min.z).sub(centre));
+    for (const c of corners) {
+      lowX = Math.min(lowX, c.dot(x)); highX = Math.max(highX, c.dot(x));
+      lowY = Math.min(lowY, c.dot(y)); highY = Math.max(highY, c.dot(y));
+    }
+    mid.addScaledVector(x, (lowX + highX) / 2).addScaledVector(y, (lowY + highY) / 2);
+    for (const c of corners) {
+      const q = c.clone().sub(mid);
+      distance = Math.max(distance, Math.abs(q.dot(x)) / tanX + q.dot(z), Math.abs(q.dot(y)) / tanY + q.dot(z));
+    }
+    distance *= 1.04;
+    const size = this.box.getSize(new Vector3()).length();
+    this.controls.target.copy(centre).add(mid);
+    this.camera.position.copy(this.controls.target).addScaledVector(d, distance);
+    this.camera.near = Math.max(distance, size) / 500;
+    this.camera.far = 8 * Math.max(distance, size);
+    this.camera.updateProjectionMatrix();
+    this.controls.maxDistance = 5 * Math.max(distance, size);
+    this.controls.minDistance = size / 200;
+    this.controls.update();
+    this.draw();
+  }
+
+  /** Turns the camera around the target, rad. */
+  orbit(around, down) {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const flat = new Vector3(offset.x, offset.z, -offset.y); // y is up in Spherical
+    const s = new Spherical().setFromVector3(flat);
+    s.theta += around;
+    s.phi = Math.min(Math.max(s.phi + down, 0.01), Math.PI - 0.01);
+    flat.setFromSpherical(s);
+    this.camera.position.copy(this.controls.target).add(new Vector3(flat.x, -flat.z, flat.y));
+    this.controls.update();
+    this.draw();
+  }
+
+  /** Multiplies the distance to the target. */
+  zoom(factor) {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const length = Math.min(Math.max(offset.length() * factor, this.controls.minDistance), this.controls.maxDistance);
+    this.camera.position.copy(this.controls.target).addScaledVector(offset.normalize(), length);
+    this.controls.update();
+    this.draw();
+  }
+
+  /** Moves camera and target by parts of the height of the picture. */
+  pan(right, up) {
+    const x = new Vector3(), y = new Vector3(), z = new Vector3();
+    this.camera.matrixWorld.extractBasis(x, y, z);
+    const height = 2 * this.camera.position.distanceTo(this.controls.target) * Math.tan((this.camera.fov * Math.PI) / 360);
+    const step = x.multiplyScalar(right * height).addScaledVector(y, up * height);
+    this.camera.position.add(step);
+    this.controls.target.add(step);
+    this.controls.update();
+    this.draw();
+  }
+
+  onKey(e) {
+    if (e.ctrlKey || e.metaKey || e.altKey) return;
+    const turn = 0.12, step = 0.08;
+    const orbits = {ArrowLeft: [-turn, 0], ArrowRight: [turn, 0], ArrowUp: [0, -turn], ArrowDown: [0, turn]};
+    const pans = {ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, step], ArrowDown: [0, -step]};
+    if (e.shiftKey && pans[e.key]) this.pan(...pans[e.key]);
+    else if (orbits[e.key]) this.orbit(...orbits[e.key]);
+    else if (e.key === '+' || e.key === '=') this.zoom(0.85);
+    else if (e.key === '-') this.zoom(1 / 0.85);
+    else if (e.key === 'Home' || e.key === '0') this.look();
+    else if (e.key === 't') this.look(0.001, -0.35 + Math.PI);
+    else return;
+    e.preventDefault();
+  }
+}
