@@ -23,4 +23,7 @@ fillPanel(document.getElementById('panel'), report, scene, {
   swatch: (map) => el('i', {class: 'swatch', 'data-map': map ? map.colour : ''}),
 });
 if (picture) picture.start();
-document.documentElement.dataset.ready = Math.round(performance.now());
+// Times since the page was opened, ms: when all is made, and when the first frame is on the screen.
+const {dataset} = document.documentElement;
+dataset.ready = Math.round(performance.now());
+requestAnimationFrame(() => requestAnimationFrame(() => { dataset.shown = Math.round(performance.now()); }));

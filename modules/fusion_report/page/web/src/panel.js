@@ -88,10 +88,11 @@ function robotsSection(report, scene, swatch) {
       r.pose ? figure(report, ['robots', i, 'pose', 'x'], 2) : '', r.pose ? figure(report, ['robots', i, 'pose', 'y'], 2) : '',
       r.pose ? figure(report, ['robots', i, 'pose', 'yaw_deg'], 1, {unit: '°'}) : ''];
   });
-  const details = report.robots.map((r, i) => r.match && el('details', {},
-    el('summary', {}, badge(verdictOf(r.match)), ' ', said(r.robot)), reasonsOf(r.match),
-    evidenceChart(report, ['robots', i, 'match'], scene.limits, true), poseTable(report, ['robots', i, 'pose'])));
-  return [section('Robots', table(['robot', 'verdict', 'placed at', 'overlap', 'x (m)', 'y (m)', 'yaw'], rows, {class: 'robots'})),
+  const details = report.robots.map((r, i) => r.match && el('div', {class: 'robot'},
+    el('h3', {}, swatch(scene.maps[i]), ' ', said(r.robot), ' ', badge(verdictOf(r.match))), reasonsOf(r.match),
+    el('details', {}, el('summary', {}, 'Evidence and pose'), evidenceChart(report, ['robots', i, 'match'], scene.limits, true),
+      poseTable(report, ['robots', i, 'pose']))));
+  return [section('Robots', table(['robot', 'verdict', 'with', 'overlap', 'x', 'y', 'yaw'], rows, {class: 'robots'})),
     section('Why', ...details)];
 }
 
@@ -125,7 +126,7 @@ export function fillPanel(panel, report, scene, {show, swatch}) {
   if (report.pose) panel.append(section('Pose of B in the frame of A', poseTable(report, ['pose'])));
   const rivals = rivalsSection(report, scene, show);
   if (rivals) panel.append(rivals);
-  if (report.policy) panel.append(section('Merged', el('p', {}, 'Rule for voxels that both maps know: ', el('code', {}, said(report.policy)))));
+  if (report.policy && report.maps.some((m) => m.role === 'fused')) panel.append(section('Merged', el('p', {}, 'Rule for voxels that both maps know: ', el('code', {}, said(report.policy)))));
   panel.append(mapsTable(report));
   const its = report.match && iterationsChart(report, ['match']);
   if (its) panel.append(section('Registration', its));

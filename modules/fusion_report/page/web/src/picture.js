@@ -7,7 +7,8 @@ import {cubeGeometry, cubes, edgeLines, ellipsoid, freeFaces, lines, matrixOf, p
 import {View} from './view.js';
 import {el, said} from './words.js';
 
-const kDim = 0.72;
+const kDim = 0.72; // share of the paper in the colour of pale maps
+const kPointsOfMap = 1500; // points of a map that the view shows for sure
 
 export class Picture {
   constructor(stage, scene) {
@@ -27,10 +28,10 @@ export class Picture {
   }
 
   /** Adds a layer. `paint(theme, name)` colours it; `swatch(theme)` is the colour of its legend. */
-  layer(key, name, object, {on = true, paint, swatch, count = null, kind = 'square'}) {
+  layer(key, name, object, {on = true, paint, swatch, count = null, kind = 'square', hint = null}) {
     object.visible = on;
     this.view.scene.add(object);
-    const layer = {key, name, object, on, paint, swatch, count, kind};
+    const layer = {key, name, object, on, paint, swatch, count, kind, hint};
     this.layers.push(layer);
     return layer;
   }
@@ -38,6 +39,7 @@ export class Picture {
   build() {
     const {data, shared} = this;
     const box = new Box3();
+    this.points = [];
     const histogram = new Map();
     const colour = (theme, m) => mapColour(theme, m.colour);
     const conflicts = new Group(), edges = new Group();
@@ -54,7 +56,7 @@ export class Picture {
       const geometry = cubeGeometry(data.fused.occupied);
       const object = cubes(geometry, null, shared, {byProbability: true});
       this.layer('fused', 'Fused map', object, {on: false, paint: (theme, name) => object.paint('#fff', 0),
-        swatch: (theme, name) => `linear-gradient(90deg, ${rampOf(name).join(',')})`, count: data.fused.count});
+        swatch: (theme, name) => `linear-gradient(90deg, ${rampOf(name).join(',')})`, count: data.fused.count, kind: 'ramp'});
       if (box.isEmpty()) this.measure(geometry, null, box, histogram);
     }
     for (const {m} of this.maps) {
@@ -82,19 +84,21 @@ export class Picture {
         paint: (theme) => edges.children.forEach((c) => c.paint(data.kind === 'pair' ? theme.edge[c.map.colour % 2] : theme.ink)), swatch: (theme) => theme.edge[0]});
     if (data.pairs) this.addPairs();
     if (data.rivals?.length) this.addGhost();
-    if (data.nodes?.length) this.addGraph();
+    if (data.graph?.nodes.length) this.addGraph();
     if (box.isEmpty()) box.set(new Vector3(-1, -1, -1), new Vector3(1, 1, 1));
     this.box = box;
     this.histogram = histogram;
     this.addGrid(box);
   }
 
-  /** Extends a box and a histogram of heights by cubes. */
+  /** Extends a box, a histogram of heights and the points of the view by cubes. */
   measure(geometry, pose, box, histogram) {
     const place = geometry.getAttribute('place').array, m = matrixOf(pose), p = new Vector3();
+    const stride = 4 * Math.ceil(place.length / 4 / kPointsOfMap);
     for (let i = 0; i < place.length; i += 4) {
       p.set(place[i], place[i + 1], place[i + 2]).applyMatrix4(m);
       box.expandByPoint(p);
+      if (i % stride === 0) this.points.push(p.clone());
       const h = Math.round(p.z * 10);
       histogram.set(h, (histogram.get(h) ?? 0) + place[i + 3] * place[i + 3]);
     }
@@ -123,11 +127,11 @@ export class Picture {
   }
 
   addGraph() {
-    const {nodes, links, maps} = this.data;
+    const {maps} = this.data, {nodes, links, enlarged} = this.data.graph;
     const group = new Group(), size = this.graphSize();
     const at = (i) => nodes.find((n) => n.map === i)?.at;
     const parts = {accepted: 1, ambiguous: 9, rejected: 5, edges: 15};
-    const tubes = (links ?? []).map((l) => {
+    const tubes = links.map((l) => {
       if (!at(l.a) || !at(l.b)) return null;
       const t = tube(at(l.a), at(l.b), l.verdict === 'accepted' ? size : 0.7 * size, parts[l.verdict]);
       t.verdict = l.verdict;
@@ -148,7 +152,9 @@ export class Picture {
       }
       return [ball];
     }).flat();
-    const layer = this.layer('graph', 'Graph of the team', group, {kind: 'line', paint: (theme) => {
+    const name = this.data.kind === 'team' ? 'Graph of the team' : 'Uncertainty of B';
+    const hint = nodes.some((n) => n.axes) ? `Ellipsoids: 3 standard deviations${enlarged > 1 ? `, drawn ${enlarged} times as large` : ''}` : null;
+    const layer = this.layer('graph', name, group, {kind: 'line', hint, on: this.data.kind === 'team', paint: (theme) => {
       const ink = {accepted: theme.maps[2], ambiguous: theme.maps[0], rejected: theme.conflict, edges: theme.grid};
       tubes.forEach((t) => t.paint(ink[t.verdict]));
       balls.forEach((b) => b.paint(mapColour(theme, maps[b.map].colour)));
@@ -161,7 +167,7 @@ export class Picture {
   }
 
   graphSize() {
-    const all = this.data.nodes.map((n) => new Vector3(...n.at));
+    const all = this.data.graph.nodes.map((n) => new Vector3(...n.at));
     const box = new Box3().setFromPoints(all);
     return Math.max(0.06, 0.004 * box.getSize(new Vector3()).length());
   }
@@ -181,21 +187,24 @@ export class Picture {
     this.view.scene.add(this.grid);
   }
 
-  /** Returns the height below which the ceiling is cut off, or null: the upper of two flat layers. */
+  /** Returns the height at which the ceiling is cut off, or null. A ceiling is the largest flat layer above
+   * the middle of the heights. */
   ceiling() {
-    const all = [...this.histogram.entries()].sort((a, b) => a[0] - b[0]);
-    const total = all.reduce((s, [, n]) => s + n, 0);
-    const low = this.box.min.z * 10, high = this.box.max.z * 10, middle = (low + high) / 2;
+    const {min, max} = this.box;
+    if (max.z - min.z < 1.5) return null;
+    const area = (h) => (this.histogram.get(h - 1) ?? 0) + (this.histogram.get(h) ?? 0) + (this.histogram.get(h + 1) ?? 0);
+    const total = [...this.histogram.values()].reduce((sum, n) => sum + n, 0);
     let best = null;
-    for (const [h, n] of all) if (h > middle && n > 0.12 * total && (!best || n > best[1])) best = [h, n];
-    if (!best || high - low < 15) return null;
-    return best[0] / 10 - 0.15;
+    for (const h of this.histogram.keys())
+      if (h > 5 * (min.z + max.z) && (!best || area(h) > area(best))) best = h;
+    return best !== null && area(best) > 0.12 * total ? best / 10 - 0.25 : null;
   }
 
   /** Builds the switches and draws the first frame. */
   start() {
     const {min, max} = this.box;
     this.view.box = this.box;
+    if (this.points.length > 0) this.view.points = this.points;
     this.shared.extent.value = [min.z, max.z];
     this.buildControls();
     this.view.after.push(() => this.placeLabels());
@@ -203,7 +212,8 @@ export class Picture {
     this.night.addEventListener('change', () => this.applyTheme());
     addEventListener('beforeprint', () => this.applyTheme('light'));
     addEventListener('afterprint', () => this.applyTheme());
-    this.view.resize();
+    this.view.margin = this.stage.clientWidth > 700 ? 264 : 0;
+    this.view.applyMargin();
     this.view.look();
     this.view.drawNow();
     this.canvas.dataset.drawn = 'yes';
@@ -220,7 +230,8 @@ export class Picture {
     for (const l of this.layers) l.paint(theme, name);
     for (const l of this.layers) if (l.mark && l.swatch) l.mark.style.background = l.swatch(theme, name);
     for (const i of document.querySelectorAll('i.swatch[data-map]')) if (i.dataset.map !== '') i.style.background = mapColour(theme, +i.dataset.map);
-    this.view.drawNow();
+    if (forced) this.view.drawNow(); // the printer does not wait
+    else this.view.draw();
   }
 
   set(layer, on) {
@@ -241,8 +252,14 @@ export class Picture {
         this.set(l, l.box.checked);
         if (l === this.ghostLayer && l.on) this.showRival(this.rival);
       });
-      list.append(el('label', {for: id}, l.box, l.mark, el('span', {class: 'name'}, said(l.name)),
+      list.append(el('label', {for: id}, l.box, l.kind === 'ramp' ? el('i', {class: 'swatch'}) : l.mark, el('span', {class: 'name'}, said(l.name)),
         l.count != null ? el('span', {class: 'count'}, l.count.toLocaleString('en-US')) : null));
+      if (l.kind === 'ramp') {
+        l.mark = el('i', {class: 'swatch ramp'});
+        list.append(el('p', {class: 'hint'}, 'probability 0.5 ', l.mark, ' 1'));
+      } else if (l.hint) {
+        list.append(el('p', {class: 'hint'}, l.hint));
+      }
       if (l === this.ghostLayer) list.append(this.buildStepper());
     });
     const sliders = el('div', {class: 'sliders'});
@@ -257,12 +274,13 @@ export class Picture {
     if (this.data.fused) add('Fused', 'Show the fused map by probability', () => this.preset('fused'));
     if (this.layers.some((l) => l.key === 'conflicts')) add('Conflicts', 'Show conflicts on pale maps', () => this.preset('conflicts'));
     if (this.ghosts) add('Rivals', 'Show rival poses', () => this.preset('rivals'));
-    add('Top', 'Look from above (t)', () => this.view.look(0.001, -0.35 + Math.PI));
+    add('Top', 'Look from above (t)', () => this.view.look(0.001, -Math.PI / 2));
     add('Reset', 'Look at all (0)', () => this.view.look());
     const more = el('details', {class: 'controls', open: innerWidth > 700}, el('summary', {}, 'Layers'), list, sliders);
-    this.scaleText = el('p', {class: 'scale'}, `grid: ${this.step} m`);
-    this.stage.append(more, buttons, this.scaleText, el('p', {class: 'keys'},
-      'Drag: turn · right button or two fingers: move · wheel: nearer · keys: arrows, shift + arrows, +, −, t, 0'));
+    more.append(el('details', {class: 'keys'}, el('summary', {}, 'Mouse, touch, keys'), el('ul', {},
+      el('li', {}, 'Turn: drag, one finger, arrow keys'), el('li', {}, 'Move: right button, two fingers, shift and arrow keys'),
+      el('li', {}, 'Nearer, farther: wheel, two fingers, + and −'), el('li', {}, 'From above: t. All: 0'))));
+    this.stage.append(more, buttons, el('p', {class: 'scale'}, `grid: ${this.step} m`));
   }
 
   buildSliders(parent) {

@@ -22,7 +22,6 @@ void main() {
   float height = clamp((centre.z - extent.x) / max(extent.y - extent.x, 0.01), 0.0, 1.0);
   light = (0.66 + 0.34 * max(0.0, dot(normal, normalize(vec3(-0.35, -0.55, 1.0))))) *
           (0.86 + 0.2 * height);
-  vec3 across = vec3(1.0) - face;
   at = face.x > 0.5 ? position.yz : face.y > 0.5 ? position.xz : position.xy;
   bool shown = p >= least && centre.z >= heights.x && centre.z <= heights.y;
   gl_Position = shown ? projectionMatrix * viewMatrix * world : vec4(2.0, 2.0, 2.0, 1.0);

@@ -11,6 +11,7 @@ export class View {
   constructor(canvas) {
     this.canvas = canvas;
     this.renderer = new WebGLRenderer({canvas, antialias: true, preserveDrawingBuffer: true, powerPreference: 'high-performance'});
+    this.renderer.debug.checkShaderErrors = false; // the check waits for the compiler
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(38, 1, 0.1, 1000);
@@ -20,7 +21,10 @@ export class View {
     this.controls.addEventListener('change', () => this.draw());
     this.after = []; // called after each frame
     this.waiting = false;
+    this.started = false; // nothing is drawn before
+    this.margin = 0; // width at the left that the controls cover, pixels
     this.box = new Box3(new Vector3(-1, -1, -1), new Vector3(1, 1, 1));
+    this.points = [this.box.min, this.box.max]; // points that look() shows
     canvas.addEventListener('keydown', (e) => this.onKey(e));
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
     this.resize();
@@ -28,17 +32,25 @@ export class View {
 
   resize() {
     const {clientWidth: w, clientHeight: h} = this.canvas.parentElement;
-    if (w === 0 || h === 0) return;
+    if (w === 0 || h === 0 || (w === this.width && h === this.height)) return;
+    [this.width, this.height] = [w, h];
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
     this.renderer.setSize(w, h, false);
     this.camera.aspect = w / h;
+    this.applyMargin();
+    if (this.started) this.drawNow();
+  }
+
+  /** Moves the middle of the picture to the middle of the part that the controls leave open. */
+  applyMargin() {
+    if (this.margin > 0) this.camera.setViewOffset(this.width, this.height, -this.margin / 2, 0, this.width, this.height);
+    else this.camera.clearViewOffset();
     this.camera.updateProjectionMatrix();
-    this.drawNow();
   }
 
   /** Draws with the next frame of the browser. */
   draw() {
-    if (this.waiting) return;
+    if (this.waiting || !this.started) return;
     this.waiting = true;
     requestAnimationFrame(() => {
       this.waiting = false;
@@ -47,43 +59,44 @@ export class View {
   }
 
   drawNow() {
+    this.started = true;
     this.renderer.render(this.scene, this.camera);
     for (const f of this.after) f();
   }
 
-  /** Looks at the whole box from a direction. \param[in] down Angle from straight down, rad. */
-  look(down = 0.72, around = -0.62) {
-    const centre = this.box.getCenter(new Vector3());
+  /** Looks at all points from a direction. \param[in] down Angle from straight down, rad. \param[in] around Angle
+   * around the vertical, rad. */
+  look(down = 0.72, around = -1.85) {
+    const d = new Vector3(Math.sin(down) * Math.cos(around), Math.sin(down) * Math.sin(around), Math.cos(down));
     const fit = new PerspectiveCamera();
-    const d = new Vector3(Math.sin(down) * Math.cos(around - Math.PI / 2 + 0.35), Math.sin(down) * Math.sin(around - Math.PI / 2 + 0.35), Math.cos(down));
     fit.up.copy(kUp);
-    fit.position.copy(centre).add(d);
-    fit.lookAt(centre);
+    fit.position.copy(d);
+    fit.lookAt(0, 0, 0);
     fit.updateMatrixWorld();
-    // The nearest distance from which all corners of the box are in the picture.
-    const tanY = Math.tan((this.camera.fov * Math.PI) / 360), tanX = tanY * this.camera.aspect;
     const x = new Vector3(), y = new Vector3(), z = new Vector3();
     fit.matrixWorld.extractBasis(x, y, z);
-    let distance = 0.5;
-    const {min, max} = this.box;
-    const mid = new Vector3();
-    let lowX = Infinity, highX = -Infinity, lowY = Infinity, highY = -Infinity;
-    const corners = [];
-    for (let i = 0; i < 8; i++)
-      corners.push(new Vector3(i & 1 ? max.x : min.x, i & 2 ? max.y : min.y, i & 4 ? max.z : min.z).sub(centre));
-    for (const c of corners) {
-      lowX = Math.min(lowX, c.dot(x)); highX = Math.max(highX, c.dot(x));
-      lowY = Math.min(lowY, c.dot(y)); highY = Math.max(highY, c.dot(y));
-    }
-    mid.addScaledVector(x, (lowX + highX) / 2).addScaledVector(y, (lowY + highY) / 2);
-    for (const c of corners) {
-      const q = c.clone().sub(mid);
-      distance = Math.max(distance, Math.abs(q.dot(x)) / tanX + q.dot(z), Math.abs(q.dot(y)) / tanY + q.dot(z));
-    }
-    distance *= 1.04;
+    // The nearest distance from which all points are in the picture. Twice: the middle depends on the distance.
+    const tanY = Math.tan((this.camera.fov * Math.PI) / 360), tanX = tanY * this.camera.aspect * (1 - this.margin / this.width);
     const size = this.box.getSize(new Vector3()).length();
-    this.controls.target.copy(centre).add(mid);
-    this.camera.position.copy(this.controls.target).addScaledVector(d, distance);
+    const target = this.box.getCenter(new Vector3()), q = new Vector3();
+    let distance = 2 * size;
+    for (let pass = 0; pass < 3; pass++) {
+      let [left, right, low, high, near] = [Infinity, -Infinity, Infinity, -Infinity, 0];
+      for (const p of this.points) {
+        q.copy(p).sub(target);
+        const depth = Math.max(distance - q.dot(z), 0.05 * size);
+        const [px, py] = [q.dot(x) / depth, q.dot(y) / depth];
+        [left, right, low, high] = [Math.min(left, px), Math.max(right, px), Math.min(low, py), Math.max(high, py)];
+      }
+      target.addScaledVector(x, (distance * (left + right)) / 2).addScaledVector(y, (distance * (low + high)) / 2);
+      for (const p of this.points) {
+        q.copy(p).sub(target);
+        near = Math.max(near, Math.abs(q.dot(x)) / tanX + q.dot(z), Math.abs(q.dot(y)) / tanY + q.dot(z));
+      }
+      distance = Math.max(1.06 * near, 0.05 * size);
+    }
+    this.controls.target.copy(target);
+    this.camera.position.copy(target).addScaledVector(d, distance);
     this.camera.near = Math.max(distance, size) / 500;
     this.camera.far = 8 * Math.max(distance, size);
     this.camera.updateProjectionMatrix();
@@ -137,7 +150,7 @@ export class View {
     else if (e.key === '+' || e.key === '=') this.zoom(0.85);
     else if (e.key === '-') this.zoom(1 / 0.85);
     else if (e.key === 'Home' || e.key === '0') this.look();
-    else if (e.key === 't') this.look(0.001, -0.35 + Math.PI);
+    else if (e.key === 't') this.look(0.001, -Math.PI / 2);
     else return;
     e.preventDefault();
   }
