@@ -133,6 +133,14 @@ std::string toJson(const Report& r) {
     }
     json["robots"].push_back(member);
   }
+  for (const auto& p : r.pairs)
+    json["pairs"].push_back({{"a", p.a},
+                             {"b", p.b},
+                             {"accepted", p.accepted},
+                             {"ambiguous", p.ambiguous},
+                             {"probability", p.probability},
+                             {"overlap", p.overlap},
+                             {"holds", p.holds}});
   if (r.bytes) json["bytes"] = *r.bytes;
   if (!r.policy.empty()) json["policy"] = r.policy;
   json["seconds"] = Json::object();

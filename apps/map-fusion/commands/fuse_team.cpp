@@ -44,6 +44,7 @@ bool runFuseTeam(RunContext& run) {
   run.endStep("fuse");
 
   run.report.members = std::move(result.members);
+  run.report.pairs = std::move(result.pairs);
   const auto& members = run.report.members;
   const auto joined =
       std::count_if(members.begin(), members.end(), [](const auto& m) { return m.joined; });

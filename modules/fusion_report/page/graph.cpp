@@ -48,15 +48,12 @@ double roundFactor(double most) {
   return power * (most >= 5 * power ? 5 : most >= 2 * power ? 2 : 1);
 }
 
-const char* verdictOf(const FusionMember& m) {
-  const Evaluation& e = m.alignment.evaluation;
-  return m.alignment.by_edges ? "edges"
-         : e.accepted         ? "accepted"
-         : e.is_ambiguous     ? "ambiguous"
-                              : "rejected";
-}
-
 }  // namespace
+
+const char* linkOf(const TeamPair& pair) {
+  if (pair.holds) return pair.accepted ? "sure" : "held";
+  return pair.accepted ? "refuted" : "rejected";
+}
 
 TeamPicture pictureOf(const Report& report, const PageScene& scene) {
   TeamPicture picture;
@@ -97,11 +94,22 @@ TeamPicture pictureOf(const Report& report, const PageScene& scene) {
         if (length > cut_off) node.half_axes->col(k) *= cut_off / length;
       }
     }
-  for (size_t i = 0; is_team && i < report.members.size(); i++)
-    for (size_t a = 0; a < scene.maps.size(); a++)
-      if (!report.members[i].matched_with.empty() &&
-          scene.maps[a].name == report.members[i].matched_with)
-        picture.links.push_back({a, i, verdictOf(report.members[i])});
+  const auto indexOf = [&](const std::string& robot) {
+    return static_cast<size_t>(std::find_if(scene.maps.begin(), scene.maps.end(),
+                                            [&](const PageMap& map) { return map.name == robot; }) -
+                               scene.maps.begin());
+  };
+  for (const TeamPair& p : report.pairs)
+    picture.links.push_back({indexOf(p.a), indexOf(p.b), linkOf(p)});
+  // Maps that have only edges are in no pair, and two maps of a mission have no pairs.
+  for (size_t i = 0; is_team && i < report.members.size(); i++) {
+    const FusionMember& m = report.members[i];
+    if (!m.hasMatch() || (!m.alignment.by_edges && !report.pairs.empty())) continue;
+    const char* verdict = m.alignment.by_edges              ? "edges"
+                          : m.alignment.evaluation.accepted ? "sure"
+                                                            : "rejected";
+    picture.links.push_back({indexOf(m.matched_with), i, verdict});
+  }
   return picture;
 }
 

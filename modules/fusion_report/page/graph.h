@@ -28,12 +28,17 @@ struct TeamPicture {
   /** A match. */
   struct Link {
     size_t a, b;          ///< Indices of the maps
-    std::string verdict;  ///< "accepted", "ambiguous", "rejected" or "edges"
+    std::string verdict;  ///< "sure", "held", "refuted", "rejected" or "edges", see linkOf()
   };
   std::vector<Node> nodes;
   std::vector<Link> links;
   double enlarged = 1;  ///< Factor of the ellipsoids of 3 standard deviations
 };
+
+/** Returns what the result of a team makes of a match: "sure" if the match would be accepted alone
+ * and the maps lie as it says; "held" if only the team confirms it; "refuted" if it would be
+ * accepted alone, but the team places a map elsewhere or not at all; otherwise "rejected". */
+const char* linkOf(const TeamPair& pair);
 
 /** Returns the nodes of the placed maps of a team, or the node of map B of a pair. Ellipsoids are
  * enlarged by one factor so that they are seen; those of maps that slide are cut off. */

@@ -39,10 +39,11 @@ class Growth {
   }
 
   /** Joins the maps that a team has placed. */
-  void joinTeam(const std::vector<size_t>& whole, std::vector<FusionMember> placed) {
+  void joinTeam(const std::vector<size_t>& whole, PlacedTeam placed) {
     is_team_ = true;
+    result_.pairs = std::move(placed.pairs);
     for (size_t k = 0; k < whole.size(); k++) {
-      FusionMember& member = result_.members[whole[k]] = std::move(placed[k]);
+      FusionMember& member = result_.members[whole[k]] = std::move(placed.members[k]);
       if (member.joined && whole[k] != joined_.front()) join(whole[k]);
     }
   }

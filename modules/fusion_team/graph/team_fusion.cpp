@@ -63,10 +63,27 @@ const PairMatch& bestMatch(size_t k, const std::vector<PairMatch>& matches,
   return *best;
 }
 
+/** Returns the matches of all pairs, and whether the placed maps lie as the matches say. */
+std::vector<TeamPair> teamPairs(const std::vector<RobotMap>& maps,
+                                const std::vector<PairMatch>& matches,
+                                const std::vector<PlacedMap>& placed,
+                                const TeamEvidence& evidence) {
+  std::vector<TeamPair> pairs;
+  for (const PairMatch& m : matches) {
+    const Evaluation& e = m.alignment.evaluation;
+    const PlacedMap &a = placed[m.a], &b = placed[m.b];
+    const bool holds = a.placed && b.placed &&
+                       evidence.isSame(m.b, m.alignment.match.T_a_b, a.pose->inverse() * *b.pose);
+    pairs.push_back({maps[m.a].robot, maps[m.b].robot, e.accepted, e.is_ambiguous, e.probability,
+                     e.overlap, holds});
+  }
+  return pairs;
+}
+
 }  // namespace
 
-std::vector<FusionMember> placeTeam(const std::vector<RobotMap>& maps, const Options& options,
-                                    const OnMember& on_member) {
+PlacedTeam placeTeam(const std::vector<RobotMap>& maps, const Options& options,
+                     const OnMember& on_member) {
   for (const RobotMap& map : maps)
     withPath(map.robot,
              [&] { ASSERTMSG_(map.map.occupiedVoxels() > 0, "the map has no occupied voxel"); });
@@ -125,7 +142,7 @@ std::vector<FusionMember> placeTeam(const std::vector<RobotMap>& maps, const Opt
       members[k].pose = partner[k] == 0 ? in_partner : members[partner[k]].pose + in_partner;
       order.push_back(k);
     }
-  return members;
+  return {std::move(members), teamPairs(maps, matches, placed, evidence)};
 }
 
 }  // namespace mrpt::fusion

@@ -10,13 +10,19 @@
 
 namespace mrpt::fusion {
 
+/** The maps of a team at their places. */
+struct PlacedTeam {
+  std::vector<FusionMember> members;  ///< Result of each map, in the order of the input
+  std::vector<TeamPair> pairs;        ///< Matches of all pairs
+};
+
 /** Places whole maps by all their pairs together. A map without a place that can be trusted has
  * joined = false, and its best match with a placed map. The first map has the identity.
  * Cost: n (n-1) / 2 matches and a search of the configuration.
  * \param[in] maps Two or more whole maps.
  * \param[in] options Parameters of all stages.
  * \param[in] on_member See fuseMaps(). */
-std::vector<FusionMember> placeTeam(const std::vector<RobotMap>& maps, const Options& options,
-                                    const OnMember& on_member);
+PlacedTeam placeTeam(const std::vector<RobotMap>& maps, const Options& options,
+                     const OnMember& on_member);
 
 }  // namespace mrpt::fusion

@@ -35,10 +35,22 @@ struct FusionMember {
   bool hasMatch() const { return alignment.voxels_b > 0; }
 };
 
+/** The match of two maps of a team. */
+struct TeamPair {
+  std::string a;           ///< Robot whose map is A of the match
+  std::string b;           ///< Robot whose map is B of the match
+  bool accepted = false;   ///< True if the match would be accepted alone
+  bool ambiguous = false;  ///< True if a rival is the only reason for the rejection
+  double probability = 0;  ///< Probability that the pose of the match is right, [0,1]
+  double overlap = 0;      ///< Overlap at the pose of the match, eq. (25), [0,1]
+  bool holds = false;      ///< True if both maps lie at the pose of the match in the fused map
+};
+
 /** The fused map, and the result for each robot's map. */
 struct ManyFused {
   std::unique_ptr<octomap::OcTree> map;  ///< Fused map, in the frame of the first whole map
   std::vector<FusionMember> members;     ///< Result of each map, in the order of the input
+  std::vector<TeamPair> pairs;           ///< Matches of all pairs of a team; empty for two maps
 };
 
 /** Called before each match with a robot and the number of maps that the robot is matched with,

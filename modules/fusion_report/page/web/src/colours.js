@@ -5,11 +5,13 @@ const kThemes = {
   light: {
     background: '#eef1f4', grid: '#a9b3bf', ink: '#1b2430', inlier: '#1b2430', outlier: '#c8102e', conflict: '#c8102e',
     free: '#009e73', edge: ['#8a4b00', '#003a6b'],
+    links: {sure: '#009e73', held: '#0072b2', refuted: '#c8102e', rejected: '#a9b3bf', edges: '#6b7480'},
     maps: ['#e69f00', '#0072b2', '#009e73', '#cc79a7', '#56b4e9', '#d55e00', '#d9cb1f', '#6b7480'],
   },
   dark: {
     background: '#10141a', grid: '#4b5663', ink: '#e8ecf1', inlier: '#e8ecf1', outlier: '#ff5a6e', conflict: '#ff3d57',
     free: '#2fd0a0', edge: ['#ffe2a8', '#cfeaff'],
+    links: {sure: '#2fd0a0', held: '#56b4e9', refuted: '#ff3d57', rejected: '#4b5663', edges: '#b8c0ca'},
     maps: ['#e69f00', '#56b4e9', '#19b98a', '#cc79a7', '#f0e442', '#e8743a', '#4a90d9', '#b8c0ca'],
   },
 };

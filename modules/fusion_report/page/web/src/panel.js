@@ -96,6 +96,17 @@ function robotsSection(report, scene, swatch) {
     section('Why', ...details)];
 }
 
+/** The matches of all pairs of a team. */
+function pairsSection(report) {
+  if (!report.pairs) return null;
+  const kindOf = (p) => (p.accepted ? 'accepted' : p.ambiguous ? 'ambiguous' : 'rejected');
+  const holding = report.pairs.filter((p) => p.holds).length;
+  return section('Pairs', el('details', {}, el('summary', {}, `${report.pairs.length} matches, ${holding} hold in the result`),
+    table(['pair', 'alone', 'probability', 'overlap', 'holds'], report.pairs.map((p, i) => [
+      `${said(p.a)} – ${said(p.b)}`, badge(kindOf(p)), percent(report, ['pairs', i, 'probability']), percent(report, ['pairs', i, 'overlap']),
+      p.holds ? '✓ yes' : p.accepted ? '✗ no' : 'no']), {class: 'robots'})));
+}
+
 /** Returns the headline: kind of verdict, title and one sentence. */
 function headline(report, scene) {
   if (report.robots) {
@@ -123,6 +134,8 @@ export function fillPanel(panel, report, scene, {show, swatch}) {
       'The middle line is the limit. A bar to the right speaks for the pose, a bar to the left against it. A full bar is as far as the value can go.')));
   }
   if (report.robots) panel.append(...robotsSection(report, scene, swatch));
+  const pairs = pairsSection(report);
+  if (pairs) panel.append(pairs);
   if (report.pose) panel.append(section('Pose of B in the frame of A', poseTable(report, ['pose'])));
   const rivals = rivalsSection(report, scene, show);
   if (rivals) panel.append(rivals);

@@ -7,7 +7,10 @@ import {cubeGeometry, cubes, edgeLines, ellipsoid, freeFaces, lines, matrixOf, p
 import {View} from './view.js';
 import {el, said} from './words.js';
 
-const kDim = 0.72; // share of the paper in the colour of pale maps
+const kDim = {light: 0.72, dark: 0.6}; // share of the paper in the colour of pale maps
+// Links of a team: verdict, words, number of dashes, width.
+const kLinks = [['sure', 'match is sure and holds', 1, 1], ['held', 'holds, not sure alone', 9, 0.8],
+  ['refuted', 'sure alone, does not hold', 5, 0.8], ['rejected', 'rejected', 1, 0], ['edges', 'placed by edges', 15, 0.8]];
 const kPointsOfMap = 1500; // points of a map that the view shows for sure
 
 export class Picture {
@@ -28,10 +31,10 @@ export class Picture {
   }
 
   /** Adds a layer. `paint(theme, name)` colours it; `swatch(theme)` is the colour of its legend. */
-  layer(key, name, object, {on = true, paint, swatch, count = null, kind = 'square', hint = null}) {
+  layer(key, name, object, {on = true, paint, swatch, count = null, kind = 'square', hint = null, links = []}) {
     object.visible = on;
     this.view.scene.add(object);
-    const layer = {key, name, object, on, paint, swatch, count, kind, hint};
+    const layer = {key, name, object, on, paint, swatch, count, kind, hint, links};
     this.layers.push(layer);
     return layer;
   }
@@ -48,7 +51,7 @@ export class Picture {
       const geometry = cubeGeometry(m.occupied);
       const object = cubes(geometry, m.pose, shared);
       const layer = this.layer('map-' + m.colour, data.kind === 'pair' ? 'Map ' + m.name : m.name, object, {
-        on: m.shown, paint: (theme) => object.paint(colour(theme, m), this.dim ? kDim : 0), swatch: (theme) => colour(theme, m), count: m.count});
+        on: m.shown, paint: (theme) => object.paint(colour(theme, m), this.dim ? kDim[this.themeName] : 0), swatch: (theme) => colour(theme, m), count: m.count});
       if (m.shown) this.measure(geometry, m.pose, box, histogram);
       return {m, geometry, object, layer};
     });
@@ -130,10 +133,11 @@ export class Picture {
     const {maps} = this.data, {nodes, links, enlarged} = this.data.graph;
     const group = new Group(), size = this.graphSize();
     const at = (i) => nodes.find((n) => n.map === i)?.at;
-    const parts = {accepted: 1, ambiguous: 9, rejected: 5, edges: 15};
+    const kinds = kLinks.filter(([k]) => links.some((l) => l.verdict === k));
     const tubes = links.map((l) => {
       if (!at(l.a) || !at(l.b)) return null;
-      const t = tube(at(l.a), at(l.b), l.verdict === 'accepted' ? size : 0.7 * size, parts[l.verdict]);
+      const [, , parts, width] = kLinks.find(([k]) => k === l.verdict);
+      const t = width > 0 ? tube(at(l.a), at(l.b), width * size, parts) : lines([...at(l.a), ...at(l.b)], null);
       t.verdict = l.verdict;
       group.add(t);
       return t;
@@ -154,11 +158,10 @@ export class Picture {
     }).flat();
     const name = this.data.kind === 'team' ? 'Graph of the team' : 'Uncertainty of B';
     const hint = nodes.some((n) => n.axes) ? `Ellipsoids: 3 standard deviations${enlarged > 1 ? `, drawn ${enlarged} times as large` : ''}` : null;
-    const layer = this.layer('graph', name, group, {kind: 'line', hint, on: this.data.kind === 'team', paint: (theme) => {
-      const ink = {accepted: theme.maps[2], ambiguous: theme.maps[0], rejected: theme.conflict, edges: theme.grid};
-      tubes.forEach((t) => t.paint(ink[t.verdict]));
+    const layer = this.layer('graph', name, group, {kind: 'line', hint, links: kinds, on: this.data.kind === 'team', paint: (theme) => {
+      tubes.forEach((t) => t.paint(theme.links[t.verdict]));
       balls.forEach((b) => b.paint(mapColour(theme, maps[b.map].colour)));
-    }, swatch: (theme) => theme.maps[2]});
+    }, swatch: (theme) => theme.links.sure});
     this.labels = nodes.map((n) => {
       const label = el('span', {class: 'label'}, said(maps[n.map].name));
       this.overlay.append(label);
@@ -229,6 +232,7 @@ export class Picture {
     this.grid.paint(theme.grid);
     for (const l of this.layers) l.paint(theme, name);
     for (const l of this.layers) if (l.mark && l.swatch) l.mark.style.background = l.swatch(theme, name);
+    for (const i of this.stage.querySelectorAll('i[data-link]')) i.style.color = theme.links[i.dataset.link];
     for (const i of document.querySelectorAll('i.swatch[data-map]')) if (i.dataset.map !== '') i.style.background = mapColour(theme, +i.dataset.map);
     if (forced) this.view.drawNow(); // the printer does not wait
     else this.view.draw();
@@ -257,7 +261,9 @@ export class Picture {
       if (l.kind === 'ramp') {
         l.mark = el('i', {class: 'swatch ramp'});
         list.append(el('p', {class: 'hint'}, 'probability 0.5 ', l.mark, ' 1'));
-      } else if (l.hint) {
+      }
+      for (const [key, text] of l.links) list.append(el('p', {class: 'hint'}, el('i', {class: 'swatch line ' + key, 'data-link': key}), ' ', text));
+      if (l.hint) {
         list.append(el('p', {class: 'hint'}, l.hint));
       }
       if (l === this.ghostLayer) list.append(this.buildStepper());
@@ -341,7 +347,15 @@ export class Picture {
       else if (which === 'rivals') this.set(l, this.data.kind === 'pair' ? l.key === 'map-0' : shown.has(l));
       else this.set(l, isMap(l) ? shown.has(l) : l.key === 'conflicts' || (l.key === 'graph' && which === 'maps'));
     }
-    if (which === 'rivals') this.showRival(this.rival);
+    this.view.points = this.points.length > 0 ? this.points : this.view.points;
+    if (which === 'rivals') {
+      this.showRival(this.rival);
+      const m = this.ghosts[this.data.rivals[this.rival].map].matrix, place = this.maps[this.data.rivals[this.rival].map].geometry.getAttribute('place').array;
+      const stride = 4 * Math.ceil(place.length / 4 / kPointsOfMap), ghost = [];
+      for (let i = 0; i < place.length; i += stride) ghost.push(new Vector3(place[i], place[i + 1], place[i + 2]).applyMatrix4(m));
+      this.view.points = [...this.points, ...ghost];
+      this.view.look();
+    }
     this.applyTheme();
   }
 
