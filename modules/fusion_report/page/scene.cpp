@@ -100,14 +100,19 @@ Json pairsJson(const Alignment& match, const PageScene& scene) {
       {"count", pairs.size()}, {"inliers", toBase64(inliers)}, {"outliers", toBase64(outliers)}};
 }
 
-/** Appends the rivals of a match. \param[in] T_a Pose of the match's map A in the picture. */
+/** Appends the rivals of a match: the best rival, and others that agree at least a little.
+ * \param[in] T_a Pose of the match's map A in the picture. */
 void addRivals(const Alignment& match, size_t map, const Eigen::Isometry3d& T_a, Json& rivals) {
+  constexpr double kLeastAgreement = 0.01;
   const auto& all = match.match.hypotheses;
-  for (size_t i = 1; i < std::min(all.size(), kMostRivals); i++)
-    rivals.push_back({{"map", map},
-                      {"rank", i},
-                      {"agreement", all[0].agreement > 0 ? all[i].agreement / all[0].agreement : 0},
-                      {"pose", poseJson(T_a * all[i].T_a_b)}});
+  for (size_t i = 1; i < std::min(all.size(), kMostRivals); i++) {
+    const double agreement = all[0].agreement > 0 ? all[i].agreement / all[0].agreement : 0;
+    if (i == 1 || agreement >= kLeastAgreement)
+      rivals.push_back({{"map", map},
+                        {"rank", i},
+                        {"agreement", agreement},
+                        {"pose", poseJson(T_a * all[i].T_a_b)}});
+  }
 }
 
 std::optional<size_t> indexOf(const std::string& name, const PageScene& scene) {

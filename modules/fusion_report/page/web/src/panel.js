@@ -63,14 +63,20 @@ function mapsTable(report) {
 function rivalsSection(report, scene, show) {
   const list = report.match?.hypotheses ?? [];
   if (list.length < 2) return null;
-  const best = list[0].agreement || 1;
-  return section('Rival poses', el('p', {class: 'note'}, 'Poses that were compared. The agreement is relative to the first.'),
-    table(['pose', 'agreement', 'x', 'y', 'yaw', ''], list.map((h, i) => [
-      i === 0 ? 'match' : 'rival ' + i, el('span', {class: 'figure', title: String(h.agreement)}, ((100 * h.agreement) / best).toFixed(1) + '\u2009%'),
-      figure(report, ['match', 'hypotheses', i, 'pose', 'x'], 2), figure(report, ['match', 'hypotheses', i, 'pose', 'y'], 2),
-      figure(report, ['match', 'hypotheses', i, 'pose', 'yaw_deg'], 1, {unit: '°'}),
-      i > 0 && show && scene.rivals?.some((r) => r.map === 1 && r.rank === i)
-        ? button('show', () => show(scene.rivals.findIndex((r) => r.map === 1 && r.rank === i))) : '']), {class: 'rivals'}));
+  const best = list[0].agreement || 1, kLeast = 0.01;
+  const shown = list.map((h, i) => i).filter((i) => i < 2 || list[i].agreement >= kLeast * best);
+  const figureAt = (i, key, digits, unit = '') => figure(report, ['match', 'hypotheses', i, 'pose', key], digits, {unit});
+  const rows = shown.map((i) => {
+    const at = (scene.rivals ?? []).findIndex((r) => r.map === 1 && r.rank === i);
+    return [i === 0 ? 'match' : 'rival ' + i,
+      el('span', {class: 'figure', title: String(list[i].agreement)}, ((100 * list[i].agreement) / best).toFixed(1) + '\u2009%'),
+      figureAt(i, 'x', 2), figureAt(i, 'y', 2), figureAt(i, 'yaw_deg', 1, '°'),
+      show && at >= 0 ? button('show', () => show(at)) : ''];
+  });
+  const others = list.length - shown.length;
+  return section('Rival poses', table(['pose', 'agreement', 'x', 'y', 'yaw', ''], rows, {class: 'rivals'}),
+    el('p', {class: 'note'}, 'The agreement of the maps at a pose is relative to the match.' +
+      (others > 0 ? ` ${others} other poses agree less than 1 % as well.` : '')));
 }
 
 function button(text, action) {

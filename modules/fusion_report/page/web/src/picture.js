@@ -215,6 +215,7 @@ export class Picture {
     this.night.addEventListener('change', () => this.applyTheme());
     addEventListener('beforeprint', () => this.applyTheme('light'));
     addEventListener('afterprint', () => this.applyTheme());
+    matchMedia('print').addEventListener('change', (e) => this.applyTheme(e.matches ? 'light' : undefined));
     this.view.margin = this.stage.clientWidth > 700 ? 264 : 0;
     this.view.applyMargin();
     this.view.look();
