@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bundles src/ and three.js into dist/page.html, and writes a hash of all sources beside it.
+// Bundles src/ and three.js into dist/page.html, and writes the hashes of all sources beside it.
 // scripts/build_page.sh runs it after `npm ci`.
 import {createHash} from 'node:crypto';
 import {readdirSync, readFileSync, mkdirSync, writeFileSync} from 'node:fs';
@@ -23,9 +23,8 @@ const page = read('src/template.html').replace('@STYLE@', () => style).replace('
 
 mkdirSync(join(here, 'dist'), {recursive: true});
 writeFileSync(join(here, 'dist/page.html'), page);
-// As tests/fusion_report/page computes it: the sources, sorted by name, each as name, newline, bytes.
-const sources = ['build.mjs', 'package-lock.json', 'package.json', ...readdirSync(join(here, 'src')).map((f) => 'src/' + f)].sort();
-const sum = createHash('sha256');
-for (const name of sources) sum.update(name + '\n').update(readFileSync(join(here, name)));
-writeFileSync(join(here, 'dist/sources.sha256'), sum.digest('hex') + '\n');
+// What the page was built from. sha256sum reads it: scripts/build_page.sh --check.
+const sums = ['build.mjs', 'package-lock.json', 'package.json', ...readdirSync(join(here, 'src')).map((f) => 'src/' + f),
+  'dist/page.html'].map((f) => createHash('sha256').update(readFileSync(join(here, f))).digest('hex') + '  ' + f + '\n');
+writeFileSync(join(here, 'dist/sha256sums'), sums.join(''));
 console.log(`dist/page.html: ${page.length} bytes`);

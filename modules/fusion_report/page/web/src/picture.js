@@ -213,9 +213,8 @@ export class Picture {
     this.view.after.push(() => this.placeLabels());
     this.applyTheme();
     this.night.addEventListener('change', () => this.applyTheme());
-    addEventListener('beforeprint', () => this.applyTheme('light'));
+    addEventListener('beforeprint', () => this.print());
     addEventListener('afterprint', () => this.applyTheme());
-    matchMedia('print').addEventListener('change', (e) => this.applyTheme(e.matches ? 'light' : undefined));
     this.view.margin = this.stage.clientWidth > 700 ? 264 : 0;
     this.view.applyMargin();
     this.view.look();
@@ -237,6 +236,13 @@ export class Picture {
     for (const i of document.querySelectorAll('i.swatch[data-map]')) if (i.dataset.map !== '') i.style.background = mapColour(theme, +i.dataset.map);
     if (forced) this.view.drawNow(); // the printer does not wait
     else this.view.draw();
+  }
+
+  /** Puts a light picture for paper beside the canvas: a printer takes the canvas as it was. */
+  print() {
+    this.applyTheme('light');
+    this.paper ??= this.stage.appendChild(el('img', {class: 'paper', alt: 'Picture of the maps'}));
+    this.paper.src = this.canvas.toDataURL('image/png');
   }
 
   set(layer, on) {
