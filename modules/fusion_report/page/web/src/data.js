@@ -31,15 +31,26 @@ export const centreOf = (key, resolution) => (key - kHalf + 0.5) * resolution;
 /**
  * Unpacks cubes. The tree is written node by node, depth first: 2 bits for each of 8 children
  * (0: nothing, 1: a cube, 2: a node). Each cube has one byte in `values`.
+ * `least`: side of the smallest cubes, finest voxels. Smaller cubes become one, with their highest value.
  * Returns {count, place: Float32Array (centre and size of each cube, m), value: Uint8Array}.
  */
-export function unpackCubes(packed) {
+export function unpackCubes(packed, least = 1) {
   const tree = bytesOf(packed.tree);
-  const value = bytesOf(packed.values);
-  const place = new Float32Array(4 * value.length);
+  const values = bytesOf(packed.values);
+  const place = new Float32Array(4 * values.length);
+  const value = new Uint8Array(values.length);
   const r = packed.resolution;
-  let read = 0;
-  let count = 0;
+  let [read, used, count] = [0, 0, 0];
+  const highestBelow = () => {
+    const mask = tree[read] | (tree[read + 1] << 8);
+    read += 2;
+    let highest = 0;
+    for (let i = 0; i < 16; i += 2) {
+      const kind = (mask >> i) & 3;
+      if (kind !== 0) highest = Math.max(highest, kind === 2 ? highestBelow() : values[used++]);
+    }
+    return highest;
+  };
   const node = (x, y, z, side) => {
     const mask = tree[read] | (tree[read + 1] << 8);
     read += 2;
@@ -50,10 +61,11 @@ export function unpackCubes(packed) {
       const cx = x + (i & 1 ? half : 0);
       const cy = y + (i & 2 ? half : 0);
       const cz = z + (i & 4 ? half : 0);
-      if (kind === 2) {
+      if (kind === 2 && half > least) {
         node(cx, cy, cz, half);
         continue;
       }
+      value[count] = kind === 2 ? highestBelow() : values[used++];
       place[4 * count] = (cx + half / 2 - kHalf) * r;
       place[4 * count + 1] = (cy + half / 2 - kHalf) * r;
       place[4 * count + 2] = (cz + half / 2 - kHalf) * r;
@@ -62,11 +74,14 @@ export function unpackCubes(packed) {
     }
   };
   if (tree.length > 0) node(0, 0, 0, 1 << kDepth);
-  return {count, place, value};
+  return {count, place: place.subarray(0, 4 * count), value: value.subarray(0, count)};
 }
 
 /** Returns the probability of a value: log-odds in steps of 1/16, shifted by 128. */
 export const probabilityOf = (value) => 1 / (1 + Math.exp(-(value - 128) / 16));
+
+/** Returns the value of a probability, see probabilityOf(). */
+export const valueOfProbability = (p) => 128 + 16 * Math.log(p / (1 - p));
 
 /** Returns a text from outside with control characters, and characters that turn the direction of
  * text around, made visible. */

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Makes the objects of the picture from the scene: cubes, faces of free space, lines, ellipsoids.
 import {
-  BufferAttribute, BufferGeometry, Color, DoubleSide, Group, InstancedBufferAttribute,
+  Box3, BufferAttribute, BufferGeometry, Color, DoubleSide, Group, InstancedBufferAttribute,
   InstancedBufferGeometry, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, ShaderMaterial,
-  SphereGeometry, Vector3,
+  Sphere, SphereGeometry, Vector3, Vector4,
 } from 'three';
 import {bytesOf, centreOf, unpackCubes, wordsOf} from './data.js';
 import {cubeFragment, cubeVertex, faceFragment, faceVertex} from './shaders.js';
@@ -43,40 +43,90 @@ function threeFaces() {
     face: new BufferAttribute(new Float32Array(face), 3), index: new BufferAttribute(new Uint16Array(index), 1)};
 }
 
-/** Returns the geometry of cubes. Several objects may share it. */
-export function cubeGeometry(packed) {
-  const {count, place, value} = unpackCubes(packed);
-  const faces = threeFaces();
-  const geometry = new InstancedBufferGeometry();
-  geometry.setAttribute('position', faces.position);
-  geometry.setAttribute('face', faces.face);
-  geometry.setIndex(faces.index);
-  geometry.setAttribute('place', new InstancedBufferAttribute(place, 4));
-  geometry.setAttribute('value', new InstancedBufferAttribute(value, 1));
-  geometry.instanceCount = count;
-  return geometry;
+const kFaces = threeFaces();
+const kCubesOfChunk = 6000;
+
+/** The cubes of a map at several levels of detail, each unpacked when it is first needed. Several objects may
+ * share them. */
+export class CubeSet {
+  static kLevels = 4;
+
+  constructor(packed) {
+    this.packed = packed;
+    this.resolution = packed.resolution;
+    this.unpacked = [];
+    this.chunked = [];
+  }
+
+  /** Returns the cubes of a level: cubes of less than 2^level voxels are joined. */
+  cubes(level) {
+    return (this.unpacked[level] ??= unpackCubes(this.packed, 1 << level));
+  }
+
+  /** Returns a level as geometries. The cubes of a chunk lie together, so that chunks outside of the picture are
+   * not drawn. */
+  chunks(level) {
+    return (this.chunked[level] ??= this.split(this.cubes(level)));
+  }
+
+  split({count, place, value}) {
+    const chunks = [], box = new Box3(), p = new Vector3();
+    for (let from = 0; from < count; from += kCubesOfChunk) {
+      const to = Math.min(from + kCubesOfChunk, count);
+      const geometry = new InstancedBufferGeometry();
+      geometry.setAttribute('position', kFaces.position);
+      geometry.setAttribute('face', kFaces.face);
+      geometry.setIndex(kFaces.index);
+      geometry.setAttribute('place', new InstancedBufferAttribute(place.subarray(4 * from, 4 * to), 4));
+      geometry.setAttribute('value', new InstancedBufferAttribute(value.subarray(from, to), 1));
+      geometry.instanceCount = to - from;
+      box.makeEmpty();
+      let largest = 0;
+      for (let i = 4 * from; i < 4 * to; i += 4) {
+        box.expandByPoint(p.set(place[i], place[i + 1], place[i + 2]));
+        largest = Math.max(largest, place[i + 3]);
+      }
+      geometry.boundingSphere = box.getBoundingSphere(new Sphere());
+      geometry.boundingSphere.radius += 1.2 * largest;
+      chunks.push(geometry);
+    }
+    return chunks;
+  }
 }
 
+const kLight = new Vector3(-0.35, -0.55, 1).normalize();
+
 /** Cubes at a pose. `shared`: uniforms that all cubes have in common. */
-export function cubes(geometry, pose, shared, {byProbability = false, ghost = false, grow = 1} = {}) {
-  const eye = {value: new Vector3()};
-  const material = new ShaderMaterial({
-    vertexShader: cubeVertex, fragmentShader: cubeFragment, side: DoubleSide,
-    uniforms: {...shared, eye, colour: {value: new Color()}, dim: {value: 0}, grow: {value: grow},
-      byProbability: {value: byProbability ? 1 : 0}, ghost: {value: ghost ? 1 : 0}},
-  });
-  const mesh = new Mesh(geometry, material);
-  mesh.frustumCulled = false;
-  const inverse = new Matrix4();
-  mesh.onBeforeRender = (renderer, scene, camera) => {
-    eye.value.copy(camera.position).applyMatrix4(inverse.copy(mesh.matrixWorld).invert());
-    material.uniformsNeedUpdate = true;
-  };
+export function cubes(set, pose, shared, {byProbability = false, ghost = false, grow = 1} = {}) {
+  const uniforms = {...shared, eye: {value: new Vector3()}, lightAbove: {value: new Vector3()},
+    lightBelow: {value: new Vector3()}, up: {value: new Vector4()}, colour: {value: new Color()}, dim: {value: 0},
+    grow: {value: grow}};
+  const defines = {...(byProbability && {BY_PROBABILITY: ''}), ...(ghost && {GHOST: ''})};
+  const material = new ShaderMaterial({vertexShader: cubeVertex, fragmentShader: cubeFragment, side: DoubleSide, uniforms, defines});
   const group = groupAt(pose);
-  group.add(mesh);
+  const inverse = new Matrix4();
+  let shown = null;
+  /** Chooses the level for a scale (pixels per metre; `least` pixels for a cube) and a camera. */
+  group.prepare = (camera, scale, least) => {
+    let level = 0;
+    while (level + 1 < CubeSet.kLevels && set.resolution * (1 << level) * scale < least) level++;
+    if (level !== shown) {
+      group.clear();
+      group.add(...set.chunks(level).map((geometry) => new Mesh(geometry, material)));
+      shown = level;
+    }
+    const e = group.matrix.elements;
+    uniforms.eye.value.copy(camera.position).applyMatrix4(inverse.copy(group.matrix).invert());
+    uniforms.up.value.set(e[2], e[6], e[10], e[14]);
+    for (let axis = 0; axis < 3; axis++) {
+      const facing = e[4 * axis] * kLight.x + e[4 * axis + 1] * kLight.y + e[4 * axis + 2] * kLight.z;
+      uniforms.lightAbove.value.setComponent(axis, 0.66 + 0.34 * Math.max(0, facing));
+      uniforms.lightBelow.value.setComponent(axis, 0.66 + 0.34 * Math.max(0, -facing));
+    }
+  };
   group.paint = (hex, dim = 0) => {
-    material.uniforms.colour.value.set(hex);
-    material.uniforms.dim.value = dim;
+    uniforms.colour.value.set(hex);
+    uniforms.dim.value = dim;
   };
   return group;
 }

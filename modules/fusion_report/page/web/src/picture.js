@@ -2,8 +2,8 @@
 // The picture: its layers, the switches and sliders, the legend.
 import {Box3, Color, Group, Vector3} from 'three';
 import {mapColour, rampOf, themeOf} from './colours.js';
-import {probabilityOf} from './data.js';
-import {cubeGeometry, cubes, edgeLines, ellipsoid, freeFaces, lines, matrixOf, pairLines, tube} from './layers.js';
+import {probabilityOf, valueOfProbability} from './data.js';
+import {CubeSet, cubes, edgeLines, ellipsoid, freeFaces, lines, matrixOf, pairLines, tube} from './layers.js';
 import {View} from './view.js';
 import {el, said} from './words.js';
 
@@ -24,7 +24,7 @@ export class Picture {
     stage.append(this.canvas, this.overlay);
     this.view = new View(this.canvas);
     this.heights = {value: null};
-    this.shared = {least: {value: 0}, heights: {value: [-1e9, 1e9]}, extent: {value: [0, 1]},
+    this.shared = {least: {value: 0}, heights: {value: [-1e9, 1e9]}, shade: {value: [1, 0]},
       ramp: {value: Array.from({length: 9}, () => new Color())}, paper: {value: new Color()}};
     this.night = matchMedia('(prefers-color-scheme: dark)');
     this.build();
@@ -48,7 +48,7 @@ export class Picture {
     const conflicts = new Group(), edges = new Group();
     let conflictCount = 0, edgeCount = 0;
     this.maps = data.maps.map((m) => {
-      const geometry = cubeGeometry(m.occupied);
+      const geometry = new CubeSet(m.occupied);
       const object = cubes(geometry, m.pose, shared);
       const layer = this.layer('map-' + m.colour, data.kind === 'pair' ? 'Map ' + m.name : m.name, object, {
         on: m.shown, paint: (theme) => object.paint(colour(theme, m), this.dim ? kDim[this.themeName] : 0), swatch: (theme) => colour(theme, m), count: m.count});
@@ -56,7 +56,7 @@ export class Picture {
       return {m, geometry, object, layer};
     });
     if (data.fused) {
-      const geometry = cubeGeometry(data.fused.occupied);
+      const geometry = new CubeSet(data.fused.occupied);
       const object = cubes(geometry, null, shared, {byProbability: true});
       this.layer('fused', 'Fused map', object, {on: false, paint: (theme, name) => object.paint('#fff', 0),
         swatch: (theme, name) => `linear-gradient(90deg, ${rampOf(name).join(',')})`, count: data.fused.count, kind: 'ramp'});
@@ -64,7 +64,7 @@ export class Picture {
     }
     for (const {m} of this.maps) {
       if (m.conflicts) {
-        const object = cubes(cubeGeometry(m.conflicts), m.pose, {...shared, least: {value: 0}}, {grow: 1.35});
+        const object = cubes(new CubeSet(m.conflicts), m.pose, {...shared, least: {value: 0}}, {grow: 1.35});
         conflicts.add(object);
         conflictCount += m.conflicts.count;
       }
@@ -95,8 +95,8 @@ export class Picture {
   }
 
   /** Extends a box, a histogram of heights and the points of the view by cubes. */
-  measure(geometry, pose, box, histogram) {
-    const place = geometry.getAttribute('place').array, m = matrixOf(pose), p = new Vector3();
+  measure(set, pose, box, histogram) {
+    const {place} = set.cubes(1), m = matrixOf(pose), p = new Vector3();
     const stride = 4 * Math.ceil(place.length / 4 / kPointsOfMap);
     for (let i = 0; i < place.length; i += 4) {
       p.set(place[i], place[i + 1], place[i + 2]).applyMatrix4(m);
@@ -195,12 +195,12 @@ export class Picture {
   ceiling() {
     const {min, max} = this.box;
     if (max.z - min.z < 1.5) return null;
-    const area = (h) => (this.histogram.get(h - 1) ?? 0) + (this.histogram.get(h) ?? 0) + (this.histogram.get(h + 1) ?? 0);
+    const area = (h) => [-2, -1, 0, 1, 2].reduce((sum, k) => sum + (this.histogram.get(h + k) ?? 0), 0);
     const total = [...this.histogram.values()].reduce((sum, n) => sum + n, 0);
     let best = null;
     for (const h of this.histogram.keys())
       if (h > 5 * (min.z + max.z) && (!best || area(h) > area(best))) best = h;
-    return best !== null && area(best) > 0.12 * total ? best / 10 - 0.25 : null;
+    return best !== null && area(best) > 0.12 * total ? best / 10 - 0.3 : null;
   }
 
   /** Builds the switches and draws the first frame. */
@@ -208,7 +208,8 @@ export class Picture {
     const {min, max} = this.box;
     this.view.box = this.box;
     if (this.points.length > 0) this.view.points = this.points;
-    this.shared.extent.value = [min.z, max.z];
+    const rise = 0.2 / Math.max(max.z - min.z, 0.01);
+    this.shared.shade.value = [0.86 - rise * min.z, rise];
     this.buildControls();
     this.view.after.push(() => this.placeLabels());
     this.applyTheme();
@@ -311,7 +312,7 @@ export class Picture {
     };
     const least = probabilityOf(128), low = this.box.min.z - 0.05, high = this.box.max.z + 0.05;
     slider('slider-probability', 'Probability at least', least.toFixed(2), 1, 0.005, least, (v) => v.toFixed(2),
-      (v) => { this.shared.least.value = v <= least ? 0 : Math.min(v, 0.9995); });
+      (v) => { this.shared.least.value = v <= least ? 0 : valueOfProbability(Math.min(v, 0.9995)); });
     const cut = this.ceiling();
     const step = Math.max((high - low) / 200, 1e-4);
     const digits = high - low > 100 ? 0 : high - low > 5 ? 1 : 2;
@@ -357,7 +358,7 @@ export class Picture {
     this.view.points = this.points.length > 0 ? this.points : this.view.points;
     if (which === 'rivals') {
       this.showRival(this.rival);
-      const m = this.ghosts[this.data.rivals[this.rival].map].matrix, place = this.maps[this.data.rivals[this.rival].map].geometry.getAttribute('place').array;
+      const m = this.ghosts[this.data.rivals[this.rival].map].matrix, place = this.maps[this.data.rivals[this.rival].map].geometry.cubes(1).place;
       const stride = 4 * Math.ceil(place.length / 4 / kPointsOfMap), ghost = [];
       for (let i = 0; i < place.length; i += stride) ghost.push(new Vector3(place[i], place[i + 1], place[i + 2]).applyMatrix4(m));
       this.view.points = [...this.points, ...ghost];

@@ -6,11 +6,20 @@ import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
 ColorManagement.enabled = false;
 const kUp = new Vector3(0, 0, 1);
 
+/** True if no graphics card draws. */
+function isSoftware(gl) {
+  let name = String(gl.getParameter(gl.RENDERER));
+  const info = name === 'WebKit WebGL' && gl.getExtension('WEBGL_debug_renderer_info');
+  if (info) name = String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL));
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+}
+
 export class View {
   /** \exception Error If the browser has no WebGL. */
   constructor(canvas) {
     this.canvas = canvas;
-    this.renderer = new WebGLRenderer({canvas, antialias: true, preserveDrawingBuffer: true, powerPreference: 'high-performance'});
+    this.renderer = new WebGLRenderer({canvas, antialias: false, preserveDrawingBuffer: true, powerPreference: 'high-performance'});
+    this.inSoftware = isSoftware(this.renderer.getContext());
     this.renderer.debug.checkShaderErrors = false; // the check waits for the compiler
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.scene = new Scene();
@@ -34,7 +43,7 @@ export class View {
     const {clientWidth: w, clientHeight: h} = this.canvas.parentElement;
     if (w === 0 || h === 0 || (w === this.width && h === this.height)) return;
     [this.width, this.height] = [w, h];
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
+    this.renderer.setPixelRatio(this.inSoftware ? 1 : 2); // two by two pixels smooth the edges
     this.renderer.setSize(w, h, false);
     this.camera.aspect = w / h;
     this.applyMargin();
@@ -60,6 +69,11 @@ export class View {
 
   drawNow() {
     this.started = true;
+    // Cubes that would be smaller than some pixels are joined.
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    const scale = this.height / (2 * distance * Math.tan((this.camera.fov * Math.PI) / 360));
+    this.camera.updateMatrixWorld();
+    this.scene.traverseVisible((o) => o.prepare?.(this.camera, scale, this.inSoftware ? 3 : 1.2));
     this.renderer.render(this.scene, this.camera);
     for (const f of this.after) f();
   }
