@@ -27,8 +27,12 @@ constexpr const char* kColours = R"((() => {
   return new Set(new Uint32Array(c.getImageData(0, 0, gl.width, gl.height).data.buffer)).size;
 })())";
 
-/** Returns the picture. */
-constexpr const char* kPicture = "document.querySelector('#stage canvas').toDataURL()";
+/** Returns the picture, when all details are drawn. */
+constexpr const char* kPicture = R"(new Promise((done) => {
+  const canvas = document.querySelector('#stage canvas');
+  const look = () => canvas.dataset.detail === 'fine' ? done(canvas.toDataURL()) : setTimeout(look, 20);
+  look();
+}))";
 
 /** Returns all numbers on the page that have a path in the report: path, value, shown text. */
 constexpr const char* kFigures = R"([...document.querySelectorAll('[data-path]')].map((e) => ({

@@ -219,8 +219,8 @@ export class Picture {
     this.view.margin = this.stage.clientWidth > 700 ? 264 : 0;
     this.view.applyMargin();
     this.view.look();
-    this.view.drawNow();
-    this.canvas.dataset.drawn = 'yes';
+    this.view.drawNow(!this.view.inSoftware);
+    if (this.view.inSoftware) this.view.refine();
   }
 
   applyTheme(forced) {

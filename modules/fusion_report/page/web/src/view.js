@@ -4,6 +4,8 @@ import {Box3, ColorManagement, LinearSRGBColorSpace, PerspectiveCamera, Scene, S
 import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
 
 ColorManagement.enabled = false;
+const kStill = 350; // ms
+const kLeastFine = 1.3, kLeastCoarse = 3; // least side of a cube, pixels
 const kUp = new Vector3(0, 0, 1);
 
 /** True if no graphics card draws. */
@@ -47,7 +49,8 @@ export class View {
     this.renderer.setSize(w, h, false);
     this.camera.aspect = w / h;
     this.applyMargin();
-    if (this.started) this.drawNow();
+    if (this.started) this.drawNow(!this.inSoftware);
+    if (this.started && this.inSoftware) this.refine();
   }
 
   /** Moves the middle of the picture to the middle of the part that the controls leave open. */
@@ -63,18 +66,27 @@ export class View {
     this.waiting = true;
     requestAnimationFrame(() => {
       this.waiting = false;
-      this.drawNow();
+      this.drawNow(!this.inSoftware);
+      if (this.inSoftware) this.refine();
     });
   }
 
-  drawNow() {
+  /** Draws with all details when the view has been still for a while. */
+  refine() {
+    clearTimeout(this.refining);
+    this.refining = setTimeout(() => this.drawNow(true), kStill);
+  }
+
+  /** \param[in] fine If false, small cubes are joined to larger ones: less to draw without a graphics card. */
+  drawNow(fine = true) {
     this.started = true;
     // Cubes that would be smaller than some pixels are joined.
     const distance = this.camera.position.distanceTo(this.controls.target);
     const scale = this.height / (2 * distance * Math.tan((this.camera.fov * Math.PI) / 360));
     this.camera.updateMatrixWorld();
-    this.scene.traverseVisible((o) => o.prepare?.(this.camera, scale, this.inSoftware ? 3 : 1.2));
+    this.scene.traverseVisible((o) => o.prepare?.(this.camera, scale, fine ? kLeastFine : kLeastCoarse));
     this.renderer.render(this.scene, this.camera);
+    this.canvas.dataset.detail = fine ? 'fine' : 'coarse';
     for (const f of this.after) f();
   }
 
