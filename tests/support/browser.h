@@ -54,7 +54,7 @@ class Browser {
     std::vector<std::string> words = {
         chromium(), "--headless", "--no-sandbox", "--remote-debugging-pipe", "--no-first-run",
         "--disable-background-networking", "--disable-component-update", "--disable-sync",
-        "--disable-quic", "--disable-dev-shm-usage", "--window-size=1280,800",
+        "--disable-quic", "--disable-dev-shm-usage", "--window-size=1000,640",
         // Draws in software, as on a machine without a graphics card.
         "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
         "--user-data-dir=" + folder, "about:blank"};

@@ -112,7 +112,7 @@ export function cubes(set, pose, shared, {byProbability = false, ghost = false, 
     while (level + 1 < CubeSet.kLevels && set.resolution * (1 << level) * scale < least) level++;
     if (level !== shown) {
       group.clear();
-      group.add(...set.chunks(level).map((geometry) => new Mesh(geometry, material)));
+      for (const geometry of set.chunks(level)) group.add(new Mesh(geometry, material));
       shown = level;
     }
     const e = group.matrix.elements;
