@@ -38,7 +38,7 @@ awk -v c=0.984807753 -v s=0.173648178 '
   }' "$out/T_a_b.txt" >"$out/guess.txt"
 build/bin/map-fusion fuse "$out/map_a.ot" "$out/map_b.ot" --init "$out/guess.txt" \
   -o "$out/fused.ot" --pose-out "$out/T_a_b_estimated.txt" \
-  --picture "$out/top_view.png" --json "$out/report.json"
+  --picture "$out/top_view.png" --json "$out/report.json" --report "$out/page.html"
 
 say "The estimated pose of robot b's map in robot a's, and the simulation's truth"
 paste -d '|' "$out/T_a_b_estimated.txt" "$out/T_a_b.txt" | awk -F '|' '
@@ -53,4 +53,5 @@ cat <<EOF
 The fused map:     $out/fused.ot      (octovis, or map-fusion info)
 Seen from above:   $out/top_view.png
 Every figure:      $out/report.json
+See why:           $out/page.html     (a browser, or map-fusion view)
 EOF

@@ -23,6 +23,7 @@ for argument in "$@"; do
       packages+=(
         clang libclang-rt-14-dev llvm # sanitizers, libFuzzer, names of functions in their reports
         clang-format clang-tidy git python3
+        chromium                      # tests: pages in a browser
         dpkg-dev                      # the source of TBB, which ThreadSanitizer needs
       )
       ;;

@@ -129,6 +129,11 @@ class CommandLine {
                     "write both maps, their edges, the matched pairs and the fused map as a scene "
                     "for SceneViewer3D")
         ->type_name("FILE.3Dscene");
+    sub->add_option(
+           "--report", args_.page,
+           "write a page: one HTML file with the maps in 3-D, the verdict and all figures, "
+           "for any browser, without network; - is standard output")
+        ->type_name("FILE.html");
   }
   void policy(CLI::App* sub) {
     sub->add_option("--policy", args_.policy,
@@ -217,6 +222,17 @@ void addMapCommands(CommandLine& line, Arguments& args) {
   pack->add_flag("--edges-only", args.edges_only,
                  "write only the structural edges: less than 5 % of the size");
 
+  auto* view = line.add("view",
+                        "Show a map, or a page that --report wrote, in the browser.\n"
+                        "Without a display, print where the page is",
+                        "map-fusion view a.ot");
+  line.inputs(view, "MAP|PAGE", 1, 1);
+  line.resolution(view, kRawHelp);
+  view->add_option("-o,--output", args.page,
+                   "page of the map (default: in a new folder for temporary files); - is standard "
+                   "output")
+      ->type_name("FILE.html");
+
   auto* info = line.add("info", "Print the contents of a map", "map-fusion info a.ot");
   line.inputs(info, "MAP", 1, 1);
   line.resolution(info, kRawHelp);
@@ -272,7 +288,7 @@ void checkOutputs(const Arguments& args) {
 std::vector<std::string> outputsOf(const Arguments& args) {
   std::vector<std::string> outputs;
   for (const auto& path :
-       {args.output, args.pose_out, args.poses_out, args.picture, args.scene, args.json})
+       {args.output, args.pose_out, args.poses_out, args.picture, args.scene, args.page, args.json})
     if (!path.empty()) outputs.push_back(path);
   return outputs;
 }

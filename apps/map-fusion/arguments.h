@@ -24,6 +24,7 @@ struct Arguments {
   std::string priors;              ///< g2o file with guesses; empty: none
   std::string picture;             ///< PNG file of both maps; empty: none
   std::string scene;               ///< File of the 3-D scene; empty: none
+  std::string page;                ///< HTML file of the report as a page; empty: none
   std::string json;                ///< File of the report as JSON; empty: none
   std::string config;              ///< Settings file; empty: defaults
   std::string section = "MappingApplication";  ///< Section of config with the map definition

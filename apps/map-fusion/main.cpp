@@ -27,7 +27,8 @@ ExitCode run(const Arguments& args) {
   static const std::map<std::string, Command> commands = {
       {"fuse", runFuse},   {"match", runMatch}, {"evaluate", runEvaluate},
       {"merge", runMerge}, {"edges", runEdges}, {"transform", runTransform},
-      {"build", runBuild}, {"pack", runPack},   {"info", runInfo}};
+      {"build", runBuild}, {"pack", runPack},   {"info", runInfo},
+      {"view", runView}};
   RunContext context(args);
   const bool accepted = commands.at(args.command)(context);
   context.finish();

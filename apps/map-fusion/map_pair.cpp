@@ -21,6 +21,7 @@
 #include "fusion_report/top_view.h"
 #include "inputs.h"
 #include "output.h"
+#include "pages.h"
 #include "pose.h"
 #include "priors.h"
 
@@ -107,19 +108,20 @@ MapPair loadPair(RunContext& run) {
   return pair;
 }
 
-std::pair<PreparedMap, PreparedMap> preparePair(const RunContext& run, const MapPair& pair) {
+void preparePair(const RunContext& run, MapPair& pair) {
   std::optional<PreparedMap> a, b;
   const auto prepare = [&](size_t i, const LoadedMap& map, std::optional<PreparedMap>& prepared) {
     mrpt::fusion::withPath(run.args.maps[i],
                            [&] { prepared.emplace(map.prepared(run.options.features)); });
   };
   tbb::parallel_invoke([&] { prepare(0, pair.a, a); }, [&] { prepare(1, pair.b, b); });
-  return {*a, *b};
+  pair.prepared.emplace(*a, *b);
 }
 
-bool matchPair(RunContext& run, const MapPair& pair) {
+bool matchPair(RunContext& run, MapPair& pair) {
   run.progress.show("extracting edges");
-  const auto [a, b] = preparePair(run, pair);
+  preparePair(run, pair);
+  const auto& [a, b] = *pair.prepared;
   run.endStep("features");
   run.report.match = mrpt::fusion::align(a, b, priorOf(run, pair), run.options, run.on_iteration);
   if (fitsWithoutCommonVertical(run, a, b))
@@ -157,6 +159,7 @@ void mergePair(RunContext& run, MapPair& pair) {
 void drawPair(RunContext& run, const MapPair& pair) {
   if (!run.args.picture.empty()) drawPicture(run, pair);
   if (!run.args.scene.empty()) drawScene(run, pair);
+  drawPage(run, pair);
 }
 
 void choosePolicy(RunContext& run) {

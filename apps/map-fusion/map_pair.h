@@ -21,22 +21,23 @@ struct MapPair {
   LoadedMap a, b;
   std::optional<mrpt::fusion::Prior> prior;      ///< Guess of a g2o file
   std::shared_ptr<const octomap::OcTree> fused;  ///< Null: nothing was merged
+  std::optional<std::pair<mrpt::fusion::PreparedMap, mrpt::fusion::PreparedMap>>
+      prepared;  ///< Both maps, prepared; nothing if they are merged at a given pose
 };
 
 /** Loads both maps. Parses the poses of the arguments before. */
 MapPair loadPair(RunContext& run);
 
 /** Prepares both maps in parallel. */
-std::pair<mrpt::fusion::PreparedMap, mrpt::fusion::PreparedMap> preparePair(const RunContext& run,
-                                                                            const MapPair& pair);
+void preparePair(const RunContext& run, MapPair& pair);
 
 /** Estimates the pose of B in A, and writes it if wanted. \return Whether it is accepted. */
-bool matchPair(RunContext& run, const MapPair& pair);
+bool matchPair(RunContext& run, MapPair& pair);
 
 /** Merges both maps at the pose of the report, and saves the result. */
 void mergePair(RunContext& run, MapPair& pair);
 
-/** Draws the picture and the scene if they are wanted. */
+/** Draws the picture, the scene and the page if they are wanted. */
 void drawPair(RunContext& run, const MapPair& pair);
 
 /** Applies the merge policy of the arguments, and reports it. */

@@ -17,6 +17,7 @@
 #include "fusion_base/files.h"
 #include "fusion_base/printable.h"
 #include "fusion_report/json.h"
+#include "fusion_report/page/page.h"
 #include "fusion_report/text.h"
 
 namespace map_fusion {
@@ -96,6 +97,8 @@ void RunContext::finish() {
   if (!args.quiet) mrpt::fusion::print(report, is_stdout_taken ? std::cerr : std::cout);
   if (!args.json.empty())
     mrpt::fusion::writeFileAtomically(args.json, mrpt::fusion::toJson(report));
+  if (!args.page.empty() && !page_scene.empty())
+    mrpt::fusion::writeFileAtomically(args.page, mrpt::fusion::toPage(report, page_scene));
 }
 
 }  // namespace map_fusion

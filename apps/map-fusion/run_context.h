@@ -37,6 +37,7 @@ class RunContext {
   mrpt::fusion::Report report;             ///< Findings so far
   Progress progress;                       ///< Line on the terminal
   mrpt::fusion::OnIteration on_iteration;  ///< Shows an iteration
+  std::string page_scene;                  ///< Picture of the page, see mrpt::fusion::toSceneJson()
 
   /** The map that `--config` defines. It is valid as long as this context. */
   MapDefinition mapDefinition();
@@ -49,7 +50,7 @@ class RunContext {
   /** Adds the time since the last step to the report, and starts to measure the next step. */
   void endStep(const std::string& name);
 
-  /** Prints the report, and writes it as JSON if wanted. */
+  /** Prints the report, and writes it as JSON and as a page if wanted. */
   void finish();
 
  private:

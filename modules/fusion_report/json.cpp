@@ -160,11 +160,20 @@ std::string toJson(const Report& r) {
     if (!m.counted_with.empty()) member["counts_with"] = m.counted_with;
     if (m.hasMatch()) {
       member["matched_with"] = m.matched_with;
+      if (!m.fits.empty()) member["fits"] = m.fits;
       member["pose"] = poseJson(m.pose);
       member["match"] = matchJson(m.alignment);
     }
     json["robots"].push_back(member);
   }
+  for (const auto& p : r.pairs)
+    json["pairs"].push_back({{"a", p.a},
+                             {"b", p.b},
+                             {"accepted", p.accepted},
+                             {"ambiguous", p.ambiguous},
+                             {"probability", p.probability},
+                             {"overlap", p.overlap},
+                             {"holds", p.holds}});
   if (r.bytes) json["bytes"] = *r.bytes;
   if (!r.policy.empty()) json["policy"] = r.policy;
   json["seconds"] = Json::object();

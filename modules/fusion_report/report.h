@@ -53,6 +53,7 @@ struct Report {
   std::optional<mrpt::poses::CPose3DPDFGaussian> pose;    ///< T_a_b; zero covariance if not judged
   std::optional<Alignment> match;                         ///< Match of two maps, or a judged pose
   std::vector<FusionMember> members;                      ///< Robots of a team, in the order given
+  std::vector<TeamPair> pairs;                            ///< Matches of all pairs of a team
   std::optional<size_t> bytes;                            ///< Size of the file that `pack` wrote
   std::optional<std::pair<Counting, Counting>> counting;  ///< How A and B count, if they are merged
   std::string policy;                            ///< Merge policy; empty: nothing was merged

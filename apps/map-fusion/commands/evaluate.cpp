@@ -10,8 +10,9 @@
 namespace map_fusion {
 
 bool runEvaluate(RunContext& run) {
-  const MapPair pair = loadPair(run);
-  const auto [a, b] = preparePair(run, pair);
+  MapPair pair = loadPair(run);
+  preparePair(run, pair);
+  const auto& [a, b] = *pair.prepared;
   run.report.match = mrpt::fusion::evaluate(a, b, run.report.pose->mean, run.options);
   run.report.pose->cov = run.report.match->pose().cov;
   run.endStep("evaluate");

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <iostream>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -16,6 +17,7 @@
 #include "fusion_base/error_text.h"
 #include "inputs.h"
 #include "map_pair.h"
+#include "pages.h"
 #include "poses_out.h"
 #include "priors.h"
 
@@ -64,6 +66,7 @@ bool runFuseTeam(RunContext& run) {
   run.endStep("fuse");
 
   run.report.members = std::move(result.members);
+  run.report.pairs = std::move(result.pairs);
   const auto& members = run.report.members;
   const auto joined =
       std::count_if(members.begin(), members.end(), [](const auto& m) { return m.joined; });
@@ -72,13 +75,15 @@ bool runFuseTeam(RunContext& run) {
   });
   for (const FusionMember& m : members)
     if (m.joined && joined > 1) noteCounting(run, m.robot, m.counting, m.counted_with);
+  const std::shared_ptr<const octomap::OcTree> fused = std::move(result.map);
   if (joined > 1)
-    saveFused(run, std::move(result.map), result.sources);
+    saveFused(run, fused, result.sources);
   else if (is_mergeable)
     std::cerr << "map-fusion: all matches are rejected, nothing was merged (--force merges)\n";
   else
     std::cerr << "map-fusion: nothing was merged: only one robot sent more than edges\n";
   savePoses(run, joined > 1);
+  drawTeamPage(run, robots, joined > 1 ? fused : nullptr);
   const bool accepted = std::all_of(members.begin(), members.end(), [](const FusionMember& m) {
     return m.alignment.by_edges || !m.hasMatch() || m.alignment.evaluation.accepted;
   });

@@ -8,7 +8,7 @@
 namespace map_fusion {
 
 bool runMatch(RunContext& run) {
-  const MapPair pair = loadPair(run);
+  MapPair pair = loadPair(run);
   const bool accepted = matchPair(run, pair);
   drawPair(run, pair);
   return accepted;

@@ -175,10 +175,22 @@ void settle(Configuration& c, const TeamEvidence& evidence) {
 }
 
 TeamAreas areasOf(size_t k, const Configuration& c, const TeamEvidence& evidence) {
-  const ComparedObstacles known = knownOf(c, evidence)[k];
-  return {evidence.areaOfObstacle(k) * countOf(known.confirmed),
-          evidence.areaOfObstacle(k) * countOf(known.displaced),
-          evidence.areaOfObstacle(k) * countOf(known.contradicted)};
+  TeamAreas areas;
+  const auto add = [&](const ComparedObstacles& of_map, size_t map) {
+    const double area = evidence.areaOfObstacle(map);
+    areas.confirmed += area * countOf(of_map.confirmed);
+    areas.displaced += area * countOf(of_map.displaced);
+    areas.contradicted += area * countOf(of_map.contradicted);
+  };
+  ComparedObstacles of_k;
+  for (size_t i = 0; i < c.pose.size(); i++) {
+    if (i == k || !c.pose[i]) continue;
+    const Relation r = relationOf(i, *c.pose[i], k, *c.pose[k], evidence);
+    unite(of_k, *r.of_j);
+    add(*r.of_i, i);
+  }
+  add(of_k, k);
+  return areas;
 }
 
 double scoreOf(const Configuration& c, const TeamEvidence& evidence) {

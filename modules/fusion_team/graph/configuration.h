@@ -21,7 +21,8 @@ struct TeamAreas {
     return known > 0 ? conflicts / known : 0;
   }
 };
-/** Returns the areas of map \a k, compared with all other placed maps. */
+/** Returns the areas of map \a k, compared with all other placed maps, and of the other maps,
+ * each compared with map \a k: conflicts show in both directions. */
 TeamAreas areasOf(size_t k, const Configuration& c, const TeamEvidence& evidence);
 /** Returns the score of a configuration: the confirmed area of all placed maps less the displaced
  * and the contradicted area, each over its TeamEvidence::tolerance(). Repeated rooms let many maps

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "fusion_base/error_text.h"
+#include "fusion_core/pair/align_from.h"
 #include "fusion_team/graph/fuse_with_memory.h"
 #include "fusion_team/graph/team_fusion.h"
 #include "fusion_team/ledger/ledger.h"
@@ -42,19 +43,27 @@ class Growth {
     joined_.push_back(i);
   }
 
+  /** Maps with the same voxels: a copy follows the map that it is a copy of. */
+  void addCopy(size_t copy, size_t of) { copies_.emplace_back(copy, of); }
+
   /** Joins the maps that a team has placed. */
-  void joinTeam(const std::vector<size_t>& whole, std::vector<FusionMember> placed) {
+  void joinTeam(const std::vector<size_t>& whole, PlacedTeam placed) {
     is_team_ = true;
+    result_.pairs = std::move(placed.pairs);
     for (size_t k = 0; k < whole.size(); k++) {
-      FusionMember& member = result_.members[whole[k]] = std::move(placed[k]);
+      FusionMember& member = result_.members[whole[k]] = std::move(placed.members[k]);
       for (FusionLink& link : member.links) link.with = whole[link.with];
       if (member.joined && whole[k] != joined_.front()) join(whole[k]);
     }
   }
 
   TeamState run(bool even_rejected) {
-    if (!is_team_ || even_rejected)  // a team has compared all its maps
+    if (!is_team_)
       while (const auto next = mostProbable(even_rejected)) join(*next);
+    else if (even_rejected)  // a team has compared all its maps
+      for (size_t i = 0; i < maps_.size(); i++)
+        if (result_.members[i].hasMatch() && !result_.members[i].joined) join(i);
+    for (const auto& [copy, of] : copies_) follow(copy, of);
     for (size_t i = 0; i < maps_.size(); i++)
       if (maps_[i].map.isEdgesAlone()) matchWithJoined(i);
     for (FusionMember& member : result_.members)
@@ -96,11 +105,30 @@ class Growth {
         is_first ? member.alignment.pose() : result_.members[j].pose + member.alignment.pose();
   }
 
+  void follow(size_t copy, size_t of) {
+    const FusionMember& twin = result_.members[of];
+    FusionMember& member = result_.members[copy];
+    const PreparedMap &a = maps_[of].map, &b = maps_[copy].map;
+    const auto T = Eigen::Isometry3d::Identity();
+    Alignment same =
+        memory_.pairs.registration(a, b, T, [&] { return alignFrom(a, b, T, options_); });
+    same.evaluation.accepted = twin.joined;
+    same.evaluation.is_ambiguous = false;
+    same.evaluation.reasons = {"has the same voxels as the map of " + twin.robot};
+    keep(std::move(same), copy, of);
+    if (of == joined_.front() || !twin.hasMatch()) member.pose = member.alignment.pose();
+    if (twin.joined) join(copy);
+  }
+
+  bool isCopy(size_t i) const {
+    return std::any_of(copies_.begin(), copies_.end(), [&](const auto& c) { return c.first == i; });
+  }
+
   /** Returns the map with the most probable match that may join, or nothing. */
   std::optional<size_t> mostProbable(bool even_rejected) {
     std::optional<size_t> best;
     for (size_t i = 0; i < maps_.size(); i++) {
-      if (result_.members[i].joined || maps_[i].map.isEdgesAlone()) continue;
+      if (result_.members[i].joined || maps_[i].map.isEdgesAlone() || isCopy(i)) continue;
       matchWithJoined(i);
       const Evaluation& e = result_.members[i].alignment.evaluation;
       if ((e.accepted || even_rejected) &&
@@ -168,6 +196,7 @@ class Growth {
   std::vector<std::vector<bool>> is_matched_;  // by the indices of both maps
   std::vector<size_t> joined_;  // joined maps in their order; the first map keeps its frame
   bool is_team_ = false;        // true after joinTeam()
+  std::vector<std::pair<size_t, size_t>> copies_;  // copy, and the map that it is a copy of
   TeamState result_;
 };
 
@@ -198,8 +227,16 @@ TeamState fuseInOrder(const std::vector<RobotMap>& maps, const Options& options,
                       const OnIteration& on_iteration) {
   Growth growth(maps, options, memory, on_member, on_iteration);
   std::vector<size_t> whole;
-  for (size_t i = 0; i < maps.size(); i++)
-    if (!maps[i].map.isEdgesAlone()) whole.push_back(i);
+  for (size_t i = 0; i < maps.size(); i++) {
+    if (maps[i].map.isEdgesAlone()) continue;
+    const auto twin = std::find_if(whole.begin(), whole.end(), [&](size_t j) {
+      return maps[j].map.contentHash() == maps[i].map.contentHash();
+    });
+    if (twin == whole.end())
+      whole.push_back(i);
+    else
+      growth.addCopy(i, *twin);
+  }
   if (whole.size() > 2) {
     std::vector<RobotMap> of_team;
     for (const size_t i : whole) of_team.push_back(maps[i]);
@@ -231,7 +268,7 @@ ManyFused fuseMaps(const std::vector<RobotMap>& maps, const Options& options, bo
   TeamMemory memory;
   TeamState state = fuseWithMemory(maps, options, memory, even_rejected, on_member, on_iteration);
   return {std::make_unique<octomap::OcTree>(*state.map), std::move(state.members),
-          std::move(state.sources)};
+          std::move(state.sources), std::move(state.pairs)};
 }
 
 }  // namespace mrpt::fusion

@@ -93,13 +93,13 @@ std::string percent(double ratio) {
   return text;
 }
 
+}  // namespace
+
 std::string listOf(const std::vector<size_t>& maps, const std::vector<std::string>& names) {
   std::string list;
   for (const size_t k : maps) list += (list.empty() ? "" : ", ") + names[k];
   return list;
 }
-
-}  // namespace
 
 std::vector<PlacedMap> judgeTeam(const TeamSearchResult& result, const std::vector<JudgedWay>& ways,
                                  const TeamEvidence& evidence,
@@ -133,26 +133,29 @@ std::vector<PlacedMap> judgeTeam(const TeamSearchResult& result, const std::vect
   // A map whose place is not clear closes loops of other maps at any of its places: rivals that
   // move the other maps with it are rivals of the other maps too.
   auto links = confirmedLinks(linksOf(result.best, ways, evidence), n, least_probability);
+  const std::vector<bool> confirmed = connectedWith(result.first, n, links);
   links.erase(std::remove_if(links.begin(), links.end(),
                              [&](const Link& l) { return !clear.pose[l.a] || !clear.pose[l.b]; }),
               links.end());
-  const std::vector<bool> reached = connectedWith(0, n, links);
-  setParents(0, links, maps);
-  const std::optional<Isometry3d>& T_first = result.best.pose[0];
+  const std::vector<bool> reached = connectedWith(result.first, n, links);
+  setParents(result.first, links, maps);
+  const std::optional<Isometry3d>& T_first = result.best.pose[result.first];
   for (size_t k = 0; k < n; k++) {
     PlacedMap& m = maps[k];
     for (const Link& link : links)
       if (link.a == k || link.b == k) m.ways_in.push_back(link.a == k ? link.b : link.a);
     if (T_first && result.best.pose[k]) m.pose = T_first->inverse() * *result.best.pose[k];
-    m.placed = reached[k] && (k == 0 || clear.pose[k]);
-    if (k == 0 || !clear.pose[k]) continue;
+    m.confirmed = confirmed[k];
+    m.placed = reached[k] && (k == result.first || clear.pose[k]);
+    if (k == result.first || !clear.pose[k]) continue;
     if (m.ways_in.empty())
       say(k,
           "no loop of matches confirms the place, and no match alone is right with a probability "
           "of " +
               percent(least_probability));
     else if (!m.placed)
-      say(k, "matches with " + listOf(m.ways_in, names) + " do not connect it with " + names[0]);
+      say(k, "matches with " + listOf(m.ways_in, names) + " do not connect it with " +
+                 names[result.first]);
     if (!m.placed) continue;
     say(k, "placed by " + listOf(m.ways_in, names));
     say(k, "the other maps confirm its place: " + percent(m.areas.conflictRatio()) +

@@ -32,7 +32,8 @@ struct JointVerdictParams {
 
 /** The verdict on one map of a team. */
 struct PlacedMap {
-  bool placed = false;                    ///< True if the pose can be trusted
+  bool placed = false;     ///< True if the pose can be trusted
+  bool confirmed = false;  ///< True if loops or sure matches connect it with the first map
   std::optional<Eigen::Isometry3d> pose;  ///< Pose in the frame of the first map, if searched
   std::optional<size_t> parent;           ///< Map of the strongest way in, on the way to the first
   std::vector<size_t> ways_in;            ///< Maps whose own matches give this place
@@ -40,6 +41,9 @@ struct PlacedMap {
   TeamAreas areas;                        ///< Evidence of all other placed maps
   std::vector<std::string> reasons;       ///< Reasons of the verdict, one sentence each
 };
+
+/** Returns the names of maps, separated by commas. */
+std::string listOf(const std::vector<size_t>& maps, const std::vector<std::string>& names);
 
 /** Judges the best configuration of a team. A map is placed if
  * - no other place of the map gains nearly as much, and few of its obstacles lie in free space;

@@ -11,7 +11,7 @@
 
 #include "fusion_base/error_text.h"
 #include "fusion_core/pair/align_from.h"
-#include "fusion_team/graph/joint_verdict.h"
+#include "fusion_team/graph/team_groups.h"
 #include "fusion_team/graph/team_links.h"
 #include "fusion_team/pairs/pair_matches.h"
 
@@ -20,8 +20,6 @@ namespace {
 
 /** Hypotheses of each match that may be part of a configuration. */
 constexpr size_t kMostHypotheses = 12;
-/** Configurations that the search grows, for each map. */
-constexpr size_t kStartsPerMap = 3;
 
 /** Returns the hypotheses of all matches that the maps do not contradict. */
 std::vector<Way> waysOf(const std::vector<PairMatch>& matches, const TeamEvidence& evidence) {
@@ -64,10 +62,27 @@ const PairMatch& bestMatch(size_t k, const std::vector<PairMatch>& matches,
   return *best;
 }
 
+/** Returns the matches of all pairs, and whether the placed maps lie as the matches say. */
+std::vector<TeamPair> teamPairs(const std::vector<RobotMap>& maps,
+                                const std::vector<PairMatch>& matches,
+                                const std::vector<PlacedMap>& placed,
+                                const TeamEvidence& evidence) {
+  std::vector<TeamPair> pairs;
+  for (const PairMatch& m : matches) {
+    const Evaluation& e = m.alignment.evaluation;
+    const PlacedMap &a = placed[m.a], &b = placed[m.b];
+    const bool holds = a.placed && b.placed &&
+                       evidence.isSame(m.b, m.alignment.match.T_a_b, a.pose->inverse() * *b.pose);
+    pairs.push_back({maps[m.a].robot, maps[m.b].robot, e.accepted, e.is_ambiguous, e.probability,
+                     e.overlap, holds});
+  }
+  return pairs;
+}
+
 }  // namespace
 
-std::vector<FusionMember> placeTeam(const std::vector<RobotMap>& maps, const Options& options,
-                                    const OnMember& on_member, PairMemory& memory) {
+PlacedTeam placeTeam(const std::vector<RobotMap>& maps, const Options& options,
+                     const OnMember& on_member, PairMemory& memory) {
   for (const RobotMap& map : maps)
     withPath(map.robot,
              [&] { ASSERTMSG_(map.map.occupiedVoxels() > 0, "the map has no occupied voxel"); });
@@ -76,11 +91,10 @@ std::vector<FusionMember> placeTeam(const std::vector<RobotMap>& maps, const Opt
   ThreadExecutor executor;
   const std::vector<PairMatch> matches = matchPairs(maps, options, executor, on_member, memory);
 
-  // 2. Graph: the poses at which all pairs agree best, and their rivals.
+  // 2. Graph: the poses in which pairs may lie, and what all pairs say of them.
   EvidenceOfMaps evidence(maps, options, memory);
   evidence.adaptTolerance(matches);
   const std::vector<Way> ways = waysOf(matches, evidence);
-  const TeamSearchResult found = searchTeam(ways, evidence, kStartsPerMap * maps.size());
 
   // 3. Verdict: the maps whose place can be trusted.
   std::vector<std::string> names;
@@ -88,8 +102,8 @@ std::vector<FusionMember> placeTeam(const std::vector<RobotMap>& maps, const Opt
   JointVerdictParams params;
   params.max_conflict = options.evaluation.max_free_conflict;
   params.max_risk = 1 - options.evaluation.min_probability;
-  const std::vector<PlacedMap> placed =
-      judgeTeam(found, judged(ways, matches, evidence), evidence, names, params);
+  const PlacedGroups groups = placeGroups(judged(ways, matches, evidence), evidence, names, params);
+  const std::vector<PlacedMap>& placed = groups.maps;
 
   // 4. Poses: each placed map is registered with its parent, with all voxels. Each other map keeps
   // its best match with a placed map.
@@ -115,6 +129,7 @@ std::vector<FusionMember> placeTeam(const std::vector<RobotMap>& maps, const Opt
     Evaluation& e = member.alignment.evaluation;
     e.accepted = p.placed;
     e.reasons = p.reasons;
+    for (const size_t other : groups.others[k]) member.fits.push_back(maps[other].robot);
     e.runner_up = p.runner_up;
     e.is_ambiguous = !p.placed && p.runner_up > params.max_runner_up;
   });
@@ -128,7 +143,7 @@ std::vector<FusionMember> placeTeam(const std::vector<RobotMap>& maps, const Opt
       members[k].pose = partner[k] == 0 ? in_partner : members[partner[k]].pose + in_partner;
       order.push_back(k);
     }
-  return members;
+  return {std::move(members), teamPairs(maps, matches, placed, evidence)};
 }
 
 }  // namespace mrpt::fusion

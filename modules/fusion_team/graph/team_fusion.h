@@ -12,6 +12,12 @@
 
 namespace mrpt::fusion {
 
+/** The maps of a team at their places. */
+struct PlacedTeam {
+  std::vector<FusionMember> members;  ///< Result of each map, in the order of the input
+  std::vector<TeamPair> pairs;        ///< Matches of all pairs
+};
+
 /** Places whole maps by all their pairs together. A map without a place that can be trusted has
  * joined = false, and its best match with a placed map. The first map has the identity.
  * Cost: n (n-1) / 2 matches and a search of the configuration.
@@ -19,7 +25,7 @@ namespace mrpt::fusion {
  * \param[in] options Parameters of all stages.
  * \param[in] on_member See fuseMaps().
  * \param[in,out] memory Results of earlier fusions with the same options. */
-std::vector<FusionMember> placeTeam(const std::vector<RobotMap>& maps, const Options& options,
-                                    const OnMember& on_member, PairMemory& memory);
+PlacedTeam placeTeam(const std::vector<RobotMap>& maps, const Options& options,
+                     const OnMember& on_member, PairMemory& memory);
 
 }  // namespace mrpt::fusion

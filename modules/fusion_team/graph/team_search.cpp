@@ -13,7 +13,6 @@ namespace {
 
 using Eigen::Isometry3d;
 
-constexpr size_t kFirst = 0;            // map whose frame is that of the team
 constexpr size_t kMostImproved = 16;    // configurations that moves of two maps improve
 constexpr double kWorthSettling = 0.8;  // least share of the best score, of a rival
 
@@ -96,8 +95,8 @@ void compareWith(const Configuration& rival, const TeamEvidence& evidence,
   const double gain_of_rival = rival.score - apart_of_rival;
   if (gain_of_rival <= 0) return;
   const double ratio = gain > 0 ? gain_of_rival / gain : 2;
-  const auto with_first = std::find_if(groups.begin(), groups.end(), [](const auto& group) {
-    return std::find(group.begin(), group.end(), kFirst) != group.end();
+  const auto with_first = std::find_if(groups.begin(), groups.end(), [&](const auto& group) {
+    return std::find(group.begin(), group.end(), result.first) != group.end();
   });
   const size_t stays = with_first == groups.end() ? 0 : size_t(with_first - groups.begin());
   for (size_t i = 0; i < groups.size(); i++)
@@ -154,8 +153,9 @@ void compareWithOtherPlaces(const std::vector<size_t>& block, const std::vector<
 }  // namespace
 
 TeamSearchResult searchTeam(const std::vector<Way>& ways, const TeamEvidence& evidence,
-                            size_t most_starts) {
+                            size_t most_starts, size_t first) {
   TeamSearchResult result;
+  result.first = first;
   result.runner_up.resize(evidence.size());
   result.best.pose.resize(evidence.size());
   if (ways.empty()) return result;

@@ -13,6 +13,7 @@ namespace mrpt::fusion {
 /** The best configuration of a team, and how clear it is. */
 struct TeamSearchResult {
   Configuration best;  ///< The configuration with the largest score
+  size_t first = 0;    ///< Map in whose frame the configurations are compared
   /** For each placed map: the best rival that places it elsewhere in the frame of the first map.
    * The value is the score that connects the rival's groups of maps over the score that connects
    * the same groups in the best configuration. 0 without a rival; above 1 if a rival is better. */
@@ -22,9 +23,10 @@ struct TeamSearchResult {
 /** Searches the best configuration: grows configurations from the best ways, improves all that
  * differ by moves of one map and the best of them by moves of two maps. Compares the result with
  * all others and with other places of each map and each linked pair of maps. \param[in] ways
- * Hypotheses of all pairs. \param[in] evidence Evidence of all pairs. \param[in] most_starts
- * Largest number of ways from which configurations grow. */
+ * Hypotheses of all pairs. Maps without a hypothesis are not placed. \param[in] evidence Evidence
+ * of all pairs. \param[in] most_starts Largest number of ways from which configurations grow.
+ * \param[in] first Map in whose frame the configurations are compared. */
 TeamSearchResult searchTeam(const std::vector<Way>& ways, const TeamEvidence& evidence,
-                            size_t most_starts);
+                            size_t most_starts, size_t first = 0);
 
 }  // namespace mrpt::fusion

@@ -94,7 +94,7 @@ void EvidenceOfMaps::adaptTolerance(const std::vector<PairMatch>& matches) {
   std::vector<double> displaced, contradicted;  // shares
   for (const PairMatch& m : matches) {
     const Evaluation& verdict = m.alignment.evaluation;
-    if (!verdict.accepted || verdict.runner_up > kClear) continue;
+    if (!verdict.accepted || verdict.rival_weight > kClear) continue;
     const PairEvidence& e = near(m.a, m.b, m.alignment.match.T_a_b);
     const double known = e.confirmed() + e.displaced() + e.contradicted();
     if (known == 0) continue;

@@ -51,6 +51,9 @@ struct FusionMember {
   Counting counting = Counting::All;  ///< How the map counts in the fused map, if it has joined
   std::string
       counted_with;  ///< Robot whose map has the same sources; empty if all observations count
+  /** Robots whose maps fit this map, if they hold together but not with the first map. They can be
+   * fused without the first map. */
+  std::vector<std::string> fits;
   /** Matches that hold the map in its place, if it has joined. A match of two maps is a link of one
    * of both. The first link is \a alignment. */
   std::vector<FusionLink> links;
@@ -59,11 +62,23 @@ struct FusionMember {
   bool hasMatch() const { return alignment.voxels_b > 0; }
 };
 
+/** The match of two maps of a team. */
+struct TeamPair {
+  std::string a;           ///< Robot whose map is A of the match
+  std::string b;           ///< Robot whose map is B of the match
+  bool accepted = false;   ///< True if the match would be accepted alone
+  bool ambiguous = false;  ///< True if a rival is the only reason for the rejection
+  double probability = 0;  ///< Probability that the pose of the match is right, [0,1]
+  double overlap = 0;      ///< Overlap at the pose of the match, eq. (25), [0,1]
+  bool holds = false;      ///< True if both maps lie at the pose of the match in the fused map
+};
+
 /** The fused map, and the result for each robot's map. */
 struct ManyFused {
   std::unique_ptr<octomap::OcTree> map;  ///< Fused map, in the frame of the first whole map
   std::vector<FusionMember> members;     ///< Result of each map, in the order of the input
   Sources sources;                       ///< Sources of the maps that have joined
+  std::vector<TeamPair> pairs;           ///< Matches of all pairs of a team; empty for two maps
 };
 
 /** Called before each match with a robot and the number of maps that the robot is matched with,
@@ -97,6 +112,7 @@ struct TeamState {
   std::shared_ptr<const octomap::OcTree> map;  ///< Fused map; null if the team has no map
   std::vector<FusionMember> members;           ///< Result of each map, in the order of the robots
   Sources sources;                             ///< Sources of the maps that have joined
+  std::vector<TeamPair> pairs;                 ///< Matches of all pairs; empty for two maps
 };
 
 /** A team whose maps change: robots come, send newer maps, and go.
