@@ -86,7 +86,7 @@ void addSources(const Sources& more, Sources& all) {
     });
     if (same == all.end())
       all.push_back(s);
-    else if (same->robot.empty() ? !s.robot.empty() : s.sequence > same->sequence)
+    else if (!s.robot.empty() && (same->robot.empty() || s.sequence > same->sequence))
       *same = s;
   }
 }
