@@ -518,12 +518,12 @@ TEST_F(MapFiles, TheReasonOfMrptsExceptionsIsTheirMessageNotTheirTitle) {
   EXPECT_NE(std::string::npos, errorOf([&] { loadMap(path); }).find("CPose9D"));
   // MRPT nests exceptions. The message is that of the first exception.
   std::string newer = serialized(CProbOctoMap(smallTree()));
-  newer[newer.find("CProbOctoMap") + 12] = 1;
+  newer[newer.find("CProbOctoMap") + 12] = 2;
   const std::string newer_path = file("newer", newer);
   expectRefused(newer_path);
   EXPECT_NE(std::string::npos, errorOf([&] {
                                  loadMap(newer_path);
-                               }).find("unknown serialization version number: '1'"));
+                               }).find("unknown serialization version number: '2'"));
   const std::string text = file("text", "Dear reader,\nthis is not a map.\n");
   for (const std::string& p : {path, newer_path, text}) {
     const std::string error = errorOf([&] { loadMap(p); });

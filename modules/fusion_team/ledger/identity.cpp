@@ -79,8 +79,16 @@ std::vector<Share> sharesOf(const std::vector<const Sources*>& maps) {
 }
 
 void addSources(const Sources& more, Sources& all) {
-  for (const SourceId& s : more)
-    if (std::find(all.begin(), all.end(), s) == all.end()) all.push_back(s);
+  for (const SourceId& s : more) {
+    const auto same = std::find_if(all.begin(), all.end(), [&](const SourceId& t) {
+      return t.content_hash == s.content_hash &&
+             (t.robot.empty() || s.robot.empty() || isSameMapOfRobot(s, t));
+    });
+    if (same == all.end())
+      all.push_back(s);
+    else if (!s.robot.empty() && (same->robot.empty() || s.sequence > same->sequence))
+      *same = s;
+  }
 }
 
 }  // namespace mrpt::fusion

@@ -30,7 +30,8 @@ struct Share {
  * Cost: O(sources log(sources)) if few maps share sources. */
 std::vector<Share> sharesOf(const std::vector<const Sources*>& maps);
 
-/** Adds the sources that are missing in \a all. */
+/** Adds the sources that are missing in \a all. A source whose robot is known replaces the same
+ * source of an unknown robot. */
 void addSources(const Sources& more, Sources& all);
 
 }  // namespace mrpt::fusion

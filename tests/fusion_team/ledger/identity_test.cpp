@@ -76,6 +76,16 @@ TEST(Identity, SaysWithWhichMap) {
   EXPECT_EQ(shares[1].with, 0U);
 }
 
+TEST(Identity, ASourceIsInASetOnce) {
+  Sources all{file(1)};
+  addSources({file(1), file(2)}, all);
+  EXPECT_EQ(all, (Sources{file(1), file(2)}));
+  addSources({sent("a", 3, 1), sent("b", 4, 1)}, all);
+  EXPECT_EQ(all, (Sources{sent("a", 3, 1), file(2), sent("b", 4, 1)})) << "the robot is known now";
+  addSources({file(1), sent("a", 5, 1), sent("a", 2, 1)}, all);
+  EXPECT_EQ(all, (Sources{sent("a", 5, 1), file(2), sent("b", 4, 1)}));
+}
+
 // ---------------------------------------------------------------- merged maps
 
 struct Scenes {
