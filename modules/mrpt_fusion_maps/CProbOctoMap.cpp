@@ -16,6 +16,7 @@
 #include "fusion_base/error_text.h"
 #include "fusion_octree/build.h"
 #include "fusion_octree/files.h"
+#include "fusion_octree/insertion/scan_insertion.h"
 #include "fusion_octree/resolution.h"
 #include "mrpt_fusion_maps/archives/blobs.h"
 #include "mrpt_fusion_maps/archives/flags.h"
@@ -136,7 +137,7 @@ void CProbOctoMap::TInsertionOptions::check() const {
 CProbOctoMap::CProbOctoMap(double resolution) {
   ASSERTMSG_(resolution > 0 && std::isfinite(resolution),
              "CProbOctoMap: the resolution must be a positive length");
-  m_octree = std::make_unique<octomap::OcTree>(resolution);
+  replaceTree(std::make_unique<octomap::OcTree>(resolution));
   applySensorModel();
 }
 
@@ -150,7 +151,8 @@ CProbOctoMap::CProbOctoMap(const CProbOctoMap& o)
       insertionOptions(o.insertionOptions),
       likelihoodOptions(o.likelihoodOptions),
       renderingOptions(o.renderingOptions),
-      m_octree(std::make_unique<octomap::OcTree>(*o.m_octree)) {}
+      m_octree(std::make_unique<octomap::OcTree>(*o.m_octree)),
+      m_tree_state(o.m_tree_state.innerNodes()) {}
 
 CProbOctoMap& CProbOctoMap::operator=(const CProbOctoMap& o) {
   CProbOctoMap copy(o);
@@ -160,9 +162,15 @@ CProbOctoMap& CProbOctoMap::operator=(const CProbOctoMap& o) {
 
 CProbOctoMap::~CProbOctoMap() = default;
 
+void CProbOctoMap::replaceTree(std::unique_ptr<octomap::OcTree> tree) {
+  m_octree = std::move(tree);
+  const bool empty = m_octree->size() == 0;
+  m_tree_state = TreeState(static_cast<uint8_t>(empty ? InnerNodes::Pruned : InnerNodes::Unknown));
+}
+
 void CProbOctoMap::setOctree(std::unique_ptr<octomap::OcTree> tree) {
   ASSERTMSG_(tree, "CProbOctoMap::setOctree(): no tree");
-  m_octree = std::move(tree);
+  replaceTree(std::move(tree));
   insertionOptions.occupancyThres = m_octree->getOccupancyThres();
   insertionOptions.probHit = m_octree->getProbHit();
   insertionOptions.probMiss = m_octree->getProbMiss();
@@ -179,7 +187,10 @@ void CProbOctoMap::applySensorModel() {
   m_octree->setClampingThresMax(insertionOptions.clampingThresMax);
 }
 
-void CProbOctoMap::internal_clear() { m_octree->clear(); }
+void CProbOctoMap::internal_clear() {
+  m_octree->clear();
+  m_tree_state.setInnerNodes(static_cast<uint8_t>(InnerNodes::Pruned));
+}
 
 std::string CProbOctoMap::asString() const {
   return mrpt::format("Probabilistic octomap, voxels of %.03f m, %zu nodes", getResolution(),
@@ -237,6 +248,7 @@ void CProbOctoMap::serializeFrom(mrpt::serialization::CArchive& in, uint8_t vers
                 m.occupancy_threshold});
   checkResolution(resolution);
   map.m_octree = std::make_unique<octomap::OcTree>(resolution);
+  map.m_tree_state = TreeState(static_cast<uint8_t>(InnerNodes::Unknown));
   OcTreeAccess::setSensorModel(*map.m_octree, m);
   const std::string nodes = readBlob(in);
   readEndMark(in);

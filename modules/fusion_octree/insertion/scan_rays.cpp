@@ -78,7 +78,7 @@ void makeRays(const octomap::point3d* ends, size_t count, const RayOrigin& origi
     const double x = factor * static_cast<double>(chunk.x[i]);
     const double y = factor * static_cast<double>(chunk.y[i]);
     const double z = factor * static_cast<double>(chunk.z[i]);
-    const bool ok = inGrid(x) & inGrid(y) & inGrid(z);
+    const bool ok_x = inGrid(x), ok_y = inGrid(y), ok_z = inGrid(z), ok = ok_x & ok_y & ok_z;
     const CellKey key{keyOf(ok ? x : 0), keyOf(ok ? y : 0), keyOf(ok ? z : 0)};
     chunk.kx[i] = key[0];
     chunk.ky[i] = key[1];
