@@ -18,8 +18,6 @@ using mrpt::serialization::CSerializable;
 namespace mrpt::fusion {
 namespace {
 
-constexpr uint64_t kMostKeptBytes = uint64_t{1} << 28U;
-
 /** The next object of a file, or why it cannot be read. */
 struct NextObject {
   CSerializable::Ptr object;
@@ -58,11 +56,12 @@ void readAndUse(const std::string& file, const std::function<void(const CSeriali
 
 }  // namespace
 
-Recording::Recording(std::string path, ObjectReader& reader, CSerializable::Ptr first)
+Recording::Recording(std::string path, ObjectReader& reader, CSerializable::Ptr first,
+                     uint64_t most_kept_bytes)
     : file_(std::move(path)) {
   for (auto object = std::move(first); object; object = reader.next()) {
     add(object);
-    all_kept_ = all_kept_ && reader.bytes() <= kMostKeptBytes;
+    all_kept_ = all_kept_ && reader.bytes() <= most_kept_bytes;
     if (all_kept_)
       objects_.push_back(std::move(object));
     else

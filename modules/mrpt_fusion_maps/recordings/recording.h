@@ -4,6 +4,7 @@
 #include <mrpt/obs/CObservationLocalMap.h>
 #include <mrpt/serialization/CSerializable.h>
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -22,10 +23,14 @@ namespace mrpt::fusion {
  * the objects are read again, while the objects before them are used. */
 class Recording {
  public:
+  static constexpr uint64_t kMostKeptBytes = uint64_t{1} << 28U;  ///< Size of a kept recording
+
   /** Reads a recording to its end. \param[in] path The file. \param[in,out] reader The file, after
-   * its first object. \param[in] first The first object. \exception std::runtime_error If the file
+   * its first object. \param[in] first The first object. \param[in] most_kept_bytes Size up
+   * to which the objects are kept. \exception std::runtime_error If the file
    * is damaged. */
-  Recording(std::string path, ObjectReader& reader, mrpt::serialization::CSerializable::Ptr first);
+  Recording(std::string path, ObjectReader& reader, mrpt::serialization::CSerializable::Ptr first,
+            uint64_t most_kept_bytes = kMostKeptBytes);
 
   /** Returns the path of the robot. */
   const RobotPath& robotPath() const { return path_; }
