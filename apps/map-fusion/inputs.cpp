@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include "fusion_base/error_text.h"
 #include "fusion_base/file_kind.h"
@@ -23,7 +24,8 @@ namespace map_fusion {
 
 namespace {
 
-LoadedMap loadFile(RunContext& run, const std::string& path) {
+/** Loads a map of octomap. Without octree if the file is of another kind. */
+LoadedMap loadOctomapFile(RunContext& run, const std::string& path) {
   using mrpt::fusion::readFileBytes;
   const InputKind kind = inputKindOf(run, path);
   LoadedMap map;
@@ -34,22 +36,27 @@ LoadedMap loadFile(RunContext& run, const std::string& path) {
       map.octree =
           mrpt::fusion::parseRawOcTree(readFileBytes(path), run.args.resolution, &map.notes);
   });
-  if (!map.octree) map = mrptMaps().load(path, run.mapDefinition());
-  for (const auto& note : map.notes) run.note(path + ": " + note);
   return map;
 }
 
-}  // namespace
-
-LoadedMap loadMap(RunContext& run, const std::string& role, const std::string& path) {
-  run.progress.show("loading " + path);
-  LoadedMap map = loadFile(run, path);
+/** Reports on a map that was loaded. A map without sources is a source named by its file. */
+void report(RunContext& run, const std::string& role, const std::string& path, LoadedMap& map) {
+  for (const auto& note : map.notes) run.note(path + ": " + note);
   run.progress.clear();
   run.report.maps.push_back(mrpt::fusion::reportOn(role, path, *map.octree));
   run.report.maps.back().sources = map.sources;
   if (map.sources.empty()) map.sources = {{{}, namesOf({path}).front(), 0, 0}};
   if (run.args.command != "info" && run.report.maps.back().statistics.occupied == 0)
     throw std::runtime_error(path + ": the map has no occupied voxel");
+}
+
+}  // namespace
+
+LoadedMap loadMap(RunContext& run, const std::string& role, const std::string& path) {
+  run.progress.show("loading " + path);
+  LoadedMap map = loadOctomapFile(run, path);
+  if (!map.octree) map = mrptMaps().load(path, run.mapDefinition());
+  report(run, role, path, map);
   run.endStep("load");
   return map;
 }
@@ -65,9 +72,26 @@ InputKind inputKindOf(const RunContext& run, const std::string& path) {
   });
 }
 
-std::vector<Robot> loadMission(const RunContext& run, const std::string& path) {
-  return inputKindOf(run, path) == InputKind::Mrpt ? mrptMaps().loadMission(path)
-                                                   : std::vector<Robot>();
+std::vector<Robot> loadFileOfRobots(RunContext& run, const std::string& role,
+                                    const std::string& path) {
+  run.progress.show("loading " + path);
+  FileContents contents;
+  if (LoadedMap map = loadOctomapFile(run, path); map.octree)
+    contents.map = std::move(map);
+  else
+    contents = mrptMaps().loadContents(path, run.mapDefinition());
+  for (const Robot& robot : contents.robots) {
+    run.report.maps.push_back(mrpt::fusion::reportOn(robot.name, path, *robot.map.octree));
+    run.report.maps.back().sources = robot.map.sources;
+  }
+  if (contents.map) {
+    report(run, role, path, *contents.map);
+    Robot& robot = contents.robots.emplace_back();
+    robot.name = role;
+    robot.map = std::move(*contents.map);
+    run.endStep("load");
+  }
+  return contents.robots;
 }
 
 std::vector<Robot> loadRobots(RunContext& run) {
@@ -75,17 +99,7 @@ std::vector<Robot> loadRobots(RunContext& run) {
   const std::vector<std::string> names = namesOf(run.args.maps);
   for (size_t i = 0; i < names.size(); i++) {
     const std::string& path = run.args.maps[i];
-    run.progress.show("loading " + path);
-    auto of_file = loadMission(run, path);
-    for (const Robot& robot : of_file) {
-      run.report.maps.push_back(mrpt::fusion::reportOn(robot.name, path, *robot.map.octree));
-      run.report.maps.back().sources = robot.map.sources;
-    }
-    if (of_file.empty()) {
-      Robot& robot = of_file.emplace_back();
-      robot.name = names[i];
-      robot.map = loadMap(run, robot.name, path);
-    }
+    auto of_file = loadFileOfRobots(run, names[i], path);
     for (Robot& robot : of_file) {
       const bool twice = std::any_of(robots.begin(), robots.end(),
                                      [&](const auto& other) { return other.name == robot.name; });

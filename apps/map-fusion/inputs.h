@@ -31,9 +31,11 @@ enum class InputKind {
  * cannot be read or is of a known other kind. */
 InputKind inputKindOf(const RunContext& run, const std::string& path);
 
-/** Loads the latest maps of all robots of a recorded mission. Returns nothing for files of other
- * kinds. */
-std::vector<Robot> loadMission(const RunContext& run, const std::string& path);
+/** Loads the latest maps of the robots of a recorded mission, or the map of another file, and
+ * reports on the maps. The file is read once. \param[in] role Name of a map that is not of a
+ * mission. \exception std::runtime_error As loadMap(). */
+std::vector<Robot> loadFileOfRobots(RunContext& run, const std::string& role,
+                                    const std::string& path);
 
 /** Loads the maps of all robots that the arguments name, and reports on them. A file is a recorded
  * mission, or it holds the map of one robot. \exception std::runtime_error As loadMap(), and if two

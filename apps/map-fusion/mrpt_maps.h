@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -70,6 +71,12 @@ struct BuiltMap {
   mrpt::fusion::ObservationCount observations;  ///< Observations with and without effect
 };
 
+/** What a file holds. */
+struct FileContents {
+  std::vector<Robot> robots;     ///< Robots of a mission
+  std::optional<LoadedMap> map;  ///< Map of another file
+};
+
 /** A fusion to draw, see mrpt::fusion::FusionView. Nothing is owned. */
 struct SceneContents {
   const octomap::OcTree& a;
@@ -90,9 +97,9 @@ class MrptMaps {
 
   /** Loads a map from a file that is not an octree file. */
   virtual LoadedMap load(const std::string& path, const MapDefinition& definition) const = 0;
-  /** Loads the latest map of each robot of a recorded mission. Returns nothing for files of other
-   * kinds. */
-  virtual std::vector<Robot> loadMission(const std::string& path) const = 0;
+  /** Loads the latest map of each robot of a recorded mission, or the map of another file. */
+  virtual FileContents loadContents(const std::string& path,
+                                    const MapDefinition& definition) const = 0;
   /** Writes a mission. */
   virtual void saveMission(const std::vector<Robot>& robots, const std::string& path) const = 0;
   /** Builds a map from a recording. */

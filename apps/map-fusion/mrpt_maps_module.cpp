@@ -71,13 +71,20 @@ class MapsOfModule : public MrptMaps {
     return loaded;
   }
 
-  std::vector<Robot> loadMission(const std::string& path) const override {
+  FileContents loadContents(const std::string& path,
+                            const MapDefinition& definition) const override {
     const SilentErrors silent;
-    std::vector<Robot> robots;
-    for (const auto& sent : mrpt::fusion::loadLocalMaps(path)) {
+    std::vector<std::string> notes;
+    const auto read = mrpt::fusion::loadContents(path, toParams(definition, notes));
+    FileContents contents;
+    if (read.map) {
+      contents.map = mrpt::fusion::withPath(path, [&] { return workable(read.map); });
+      contents.map->notes = notes;
+    }
+    for (const auto& sent : read.robots) {
       if (!sent->map)
         throw std::runtime_error(path + ": the map of " + sent->sensorLabel + " is missing");
-      Robot& robot = robots.emplace_back();
+      Robot& robot = contents.robots.emplace_back();
       robot.name = sent->sensorLabel;
       robot.map = mrpt::fusion::withPath(path, [&] { return workable(sent->map); });
       robot.map.mrpt = sent->map;
@@ -86,7 +93,7 @@ class MapsOfModule : public MrptMaps {
       robot.pose = sent->pose;
       robot.sent = sent;
     }
-    return robots;
+    return contents;
   }
 
   void saveMission(const std::vector<Robot>& robots, const std::string& path) const override {

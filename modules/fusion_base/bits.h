@@ -15,6 +15,9 @@ namespace mrpt::fusion {
  * \param[in] bits The bits; not 0. */
 constexpr int lowestBit(uint64_t bits) { return __builtin_ctzll(bits); }
 
+/** Returns the number of set bits. */
+constexpr int countBits(uint32_t bits) { return __builtin_popcount(bits); }
+
 /** Loads element i of \a v into the cache, for a later access. */
 template <class T>
 void prefetch(const std::vector<T>& v, size_t i) {

@@ -82,6 +82,17 @@ class OcTreeAccess : private octomap::OcTree {
     return tree.getRoot();
   }
 
+  /** Counts nodes that were created or, if \a count is negative, deleted. */
+  static void addNodes(octomap::OcTree& tree, int64_t count) {
+    tree.*(&OcTreeAccess::tree_size) += static_cast<size_t>(count);
+    tree.*(&OcTreeAccess::size_changed) = true;
+  }
+
+  /** Returns whether an octree records which voxels change. */
+  static bool recordsChanges(const octomap::OcTree& tree) {
+    return tree.*(&OcTreeAccess::use_change_detection);
+  }
+
   /** Moves the octree \a child below a node, as its i-th child. The node must not have this child.
    * \a child becomes empty. */
   static void adoptChild(octomap::OcTree& tree, octomap::OcTreeNode& node, unsigned i,

@@ -16,6 +16,7 @@
 #include "fusion_base/error_text.h"
 #include "fusion_octree/build.h"
 #include "fusion_octree/files.h"
+#include "fusion_octree/insertion/scan_insertion.h"
 #include "fusion_octree/resolution.h"
 #include "mrpt_fusion_maps/archives/blobs.h"
 #include "mrpt_fusion_maps/archives/flags.h"
@@ -137,7 +138,7 @@ void CProbOctoMap::TInsertionOptions::check() const {
 CProbOctoMap::CProbOctoMap(double resolution) {
   ASSERTMSG_(resolution > 0 && std::isfinite(resolution),
              "CProbOctoMap: the resolution must be a positive length");
-  m_octree = std::make_unique<octomap::OcTree>(resolution);
+  replaceTree(std::make_unique<octomap::OcTree>(resolution));
   applySensorModel();
 }
 
@@ -152,6 +153,7 @@ CProbOctoMap::CProbOctoMap(const CProbOctoMap& o)
       likelihoodOptions(o.likelihoodOptions),
       renderingOptions(o.renderingOptions),
       m_octree(std::make_unique<octomap::OcTree>(*o.m_octree)),
+      m_tree_state(o.m_tree_state.innerNodes()),
       m_sources(o.m_sources),
       m_sources_hash(o.m_sources_hash) {}
 
@@ -163,10 +165,16 @@ CProbOctoMap& CProbOctoMap::operator=(const CProbOctoMap& o) {
 
 CProbOctoMap::~CProbOctoMap() = default;
 
+void CProbOctoMap::replaceTree(std::unique_ptr<octomap::OcTree> tree) {
+  m_octree = std::move(tree);
+  const bool empty = m_octree->size() == 0;
+  m_tree_state = TreeState(static_cast<uint8_t>(empty ? InnerNodes::Pruned : InnerNodes::Unknown));
+  m_sources.clear();
+}
+
 void CProbOctoMap::setOctree(std::unique_ptr<octomap::OcTree> tree) {
   ASSERTMSG_(tree, "CProbOctoMap::setOctree(): no tree");
-  m_octree = std::move(tree);
-  m_sources.clear();
+  replaceTree(std::move(tree));
   insertionOptions.occupancyThres = m_octree->getOccupancyThres();
   insertionOptions.probHit = m_octree->getProbHit();
   insertionOptions.probMiss = m_octree->getProbMiss();
@@ -185,6 +193,7 @@ void CProbOctoMap::applySensorModel() {
 
 void CProbOctoMap::internal_clear() {
   m_octree->clear();
+  m_tree_state.setInnerNodes(static_cast<uint8_t>(InnerNodes::Pruned));
   m_sources.clear();
 }
 
@@ -246,6 +255,7 @@ void CProbOctoMap::serializeFrom(mrpt::serialization::CArchive& in, uint8_t vers
                 m.occupancy_threshold});
   checkResolution(resolution);
   map.m_octree = std::make_unique<octomap::OcTree>(resolution);
+  map.m_tree_state = TreeState(static_cast<uint8_t>(InnerNodes::Unknown));
   OcTreeAccess::setSensorModel(*map.m_octree, m);
   const std::string nodes = readBlob(in);
   if (version > 0) SourcesOfMap::read(in, map);

@@ -106,8 +106,7 @@ void CProbOctoMap::fromOccupancyGrid(const COccupancyGridMap3D& o) {
   GridVisitor visitor(cells, first);
   buildOcTree(*tree, {}, visitor);
   OcTreeAccess::setSensorModel(*tree, OcTreeAccess::sensorModel(*m_octree));
-  m_octree = std::move(tree);
-  m_sources.clear();
+  replaceTree(std::move(tree));
 }
 
 void CProbOctoMap::toOccupancyGrid(COccupancyGridMap3D& o) const {

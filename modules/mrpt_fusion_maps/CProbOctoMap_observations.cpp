@@ -16,11 +16,14 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <vector>
 
+#include "fusion_octree/insertion/scan_insertion.h"
 #include "fusion_octree/walk.h"
 
 using namespace mrpt::maps;
 using namespace mrpt::obs;
+using mrpt::fusion::InnerNodes;
 
 namespace {
 
@@ -36,14 +39,14 @@ struct Rays {
 
   double reach;  // m
   octomap::point3d origin;
-  octomap::Pointcloud ends;
+  std::vector<octomap::point3d> ends;
 };
 
 void addPoint(const mrpt::poses::CPose3D& frame, float p_x, float p_y, float p_z, Rays& rays) {
   double x = 0, y = 0, z = 0;
   frame.composePoint(p_x, p_y, p_z, x, y, z);
   if (rays.canHold(x, y, z))
-    rays.ends.push_back(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
+    rays.ends.emplace_back(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
 }
 
 void addPoints(const mrpt::poses::CPose3D& frame, const CPointsMap& points, Rays& rays) {
@@ -112,18 +115,19 @@ std::optional<Rays> raysOf(const CObservation& obs, const mrpt::poses::CPose3D& 
 
 }  // namespace
 
-void CProbOctoMap::finishInsertion() {
-  m_octree->updateInnerOccupancy();
-  if (insertionOptions.pruning) m_octree->prune();
+void CProbOctoMap::insertScan(const std::vector<octomap::point3d>& ends,
+                              const octomap::point3d& origin) {
+  applySensorModel();
+  const auto known = static_cast<InnerNodes>(m_tree_state.innerNodes());
+  m_tree_state.setInnerNodes(static_cast<uint8_t>(mrpt::fusion::insertScan(
+      *m_octree, ends, origin, insertionOptions.maxrange, insertionOptions.pruning, known)));
 }
 
 bool CProbOctoMap::internal_insertObservation(
     const CObservation& obs, const std::optional<const mrpt::poses::CPose3D>& robotPose) {
   const auto rays = raysOf(obs, robotPose.value_or(mrpt::poses::CPose3D()), getResolution());
   if (!rays) return false;
-  applySensorModel();
-  m_octree->insertPointCloud(rays->ends, rays->origin, insertionOptions.maxrange, true);
-  finishInsertion();
+  insertScan(rays->ends, rays->origin);
   return true;
 }
 
@@ -131,10 +135,7 @@ void CProbOctoMap::insertPointCloud(const CPointsMap& points, float sensor_x, fl
                                     float sensor_z) {
   Rays rays(getResolution());
   addPoints(mrpt::poses::CPose3D(), points, rays);
-  applySensorModel();
-  m_octree->insertPointCloud(rays.ends, octomap::point3d(sensor_x, sensor_y, sensor_z),
-                             insertionOptions.maxrange, true);
-  finishInsertion();
+  insertScan(rays.ends, octomap::point3d(sensor_x, sensor_y, sensor_z));
 }
 
 bool CProbOctoMap::internal_canComputeObservationLikelihood(const CObservation& obs) const {
@@ -150,7 +151,7 @@ double CProbOctoMap::internal_computeObservationLikelihood(
   double log_likelihood = 0;
   octomap::OcTreeKey key;
   for (size_t i = 0; i < rays->ends.size(); i += step)
-    if (m_octree->coordToKeyChecked(rays->ends.getPoint(static_cast<unsigned>(i)), key))
+    if (m_octree->coordToKeyChecked(rays->ends[i], key))
       if (const auto* node = m_octree->search(key))
         log_likelihood += std::log(node->getOccupancy());
   return log_likelihood;
@@ -161,7 +162,9 @@ void CProbOctoMap::insertPointCloud(const CPointsMap& points) {
   addPoints(mrpt::poses::CPose3D(), points, rays);
   applySensorModel();
   for (const auto& p : rays.ends) m_octree->updateNode(p, true, true);
-  finishInsertion();
+  const auto known = static_cast<InnerNodes>(m_tree_state.innerNodes());
+  m_tree_state.setInnerNodes(static_cast<uint8_t>(
+      mrpt::fusion::finishLazyUpdates(*m_octree, insertionOptions.pruning, known)));
 }
 
 void CProbOctoMap::updateVoxel(double x, double y, double z, bool occupied) {

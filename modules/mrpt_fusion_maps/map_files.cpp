@@ -12,40 +12,50 @@
 #include "fusion_base/error_text.h"
 #include "fusion_base/files.h"
 #include "fusion_octree/files.h"
-#include "mrpt_fusion_maps/missions.h"
 #include "mrpt_fusion_maps/recordings/map_builder.h"
 #include "mrpt_fusion_maps/recordings/object_reader.h"
+#include "mrpt_fusion_maps/recordings/recording.h"
 
 using mrpt::maps::CMetricMap;
 using mrpt::maps::CProbOctoMap;
 
 namespace mrpt::fusion {
 
-CMetricMap::Ptr loadAnyMap(const std::string& path, const BuildParams& params) {
-  return withPath(path, [&]() -> CMetricMap::Ptr {
+FileContents loadContents(const std::string& path, const BuildParams& params) {
+  return withPath(path, [&]() -> FileContents {
     if (isOcTreeFile(beginningOf(path))) {
       std::vector<std::string> notes;
       auto octree = parseOcTreeFile(readFileBytes(path), &notes);
       if (params.note)
         for (const auto& note : notes) params.note(note);
-      return std::make_shared<CProbOctoMap>(std::move(octree));
+      return {{}, std::make_shared<CProbOctoMap>(std::move(octree))};
     }
 
-    const auto first = firstObject(path);
+    ObjectReader reader(path);
+    const auto first = reader.next();
     if (isRecording(*first)) {
-      const auto robots = latestMaps(path);
-      if (robots.empty()) return buildFrom(path, *first, params).map;
-      if (robots.size() > 1)
-        throw std::runtime_error("holds the maps of " + std::to_string(robots.size()) +
-                                 " robots, not one map");
-      if (!robots.front()->map) throw std::runtime_error("the robot's map is missing in it");
-      return robots.front()->map;
+      Recording recording(path, reader, first);
+      if (!recording.latestMaps().empty()) return {recording.latestMaps(), nullptr};
+      return {{}, buildFrom(path, *first, &recording, params).map};
     }
     auto map = std::dynamic_pointer_cast<CMetricMap>(first);
     if (!map)
       throw std::runtime_error(std::string("a ") + first->GetRuntimeClass()->className +
                                " is no map");
-    return map;
+    return {{}, map};
+  });
+}
+
+CMetricMap::Ptr loadAnyMap(const std::string& path, const BuildParams& params) {
+  const FileContents contents = loadContents(path, params);
+  if (contents.map) return contents.map;
+  return withPath(path, [&] {
+    const auto& robots = contents.robots;
+    if (robots.size() > 1)
+      throw std::runtime_error("holds the maps of " + std::to_string(robots.size()) +
+                               " robots, not one map");
+    if (!robots.front()->map) throw std::runtime_error("the robot's map is missing in it");
+    return robots.front()->map;
   });
 }
 

@@ -7,6 +7,7 @@
 #include <mrpt/fusion/map_files.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "fusion_base/error_text.h"
 #include "fusion_base/files.h"
@@ -32,27 +33,27 @@ bool replaces(const CObservationLocalMap& map, const CObservationLocalMap& other
 
 }  // namespace
 
-std::vector<CObservationLocalMap::Ptr> latestMaps(const std::string& path) {
-  std::vector<CObservationLocalMap::Ptr> latest;
-  ObjectReader reader(path);
-  while (const auto object = reader.next()) {
-    const auto map = std::dynamic_pointer_cast<CObservationLocalMap>(object);
-    if (!map) continue;
-    const auto known = std::find_if(latest.begin(), latest.end(), [&](const auto& other) {
-      return other->sensorLabel == map->sensorLabel;
-    });
-    if (known == latest.end())
-      latest.push_back(map);
-    else if (replaces(*map, **known))
-      *known = map;
-  }
-  return latest;
+void addToLatest(CObservationLocalMap::Ptr map, std::vector<CObservationLocalMap::Ptr>& latest) {
+  const auto known = std::find_if(latest.begin(), latest.end(), [&](const auto& other) {
+    return other->sensorLabel == map->sensorLabel;
+  });
+  if (known == latest.end())
+    latest.push_back(std::move(map));
+  else if (replaces(*map, **known))
+    *known = std::move(map);
 }
 
 std::vector<CObservationLocalMap::Ptr> loadLocalMaps(const std::string& path) {
   return withPath(path, [&]() -> std::vector<CObservationLocalMap::Ptr> {
-    if (isOcTreeFile(beginningOf(path)) || !isRecording(*firstObject(path))) return {};
-    return latestMaps(path);
+    std::vector<CObservationLocalMap::Ptr> latest;
+    if (isOcTreeFile(beginningOf(path))) return latest;
+    ObjectReader reader(path);
+    auto object = reader.next();
+    if (!isRecording(*object)) return latest;
+    for (; object; object = reader.next())
+      if (auto map = std::dynamic_pointer_cast<CObservationLocalMap>(object))
+        addToLatest(std::move(map), latest);
+    return latest;
   });
 }
 

@@ -3,7 +3,6 @@
 
 #include <mrpt/obs/CObservationLocalMap.h>
 
-#include <string>
 #include <vector>
 
 /** \file
@@ -11,8 +10,9 @@
 
 namespace mrpt::fusion {
 
-/** Reads the latest map of each robot from a rawlog. \exception std::runtime_error As
- * loadLocalMaps(), without the path. */
-std::vector<mrpt::obs::CObservationLocalMap::Ptr> latestMaps(const std::string& path);
+/** Adds a map of a mission to the latest maps of the robots. The order is that of the first maps of
+ * the robots. */
+void addToLatest(mrpt::obs::CObservationLocalMap::Ptr map,
+                 std::vector<mrpt::obs::CObservationLocalMap::Ptr>& latest);
 
 }  // namespace mrpt::fusion

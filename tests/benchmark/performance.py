@@ -22,7 +22,8 @@ STEPS = {
     "index": "index by place, thinning", "features": "all features of a map", "associate_0.2m": "association, gate 0.2 m",
     "associate_0.5m": "association, gate 0.5 m", "linearize": "one optimisation step",
     "search": "search for starts", "match": "whole match, features given",
-    "evaluate": "evaluation", "merge": "merging", "save": "write a map"}
+    "evaluate": "evaluation", "merge": "merging",
+    "insert": "insert scans, per beam", "insert_octomap": "insert scans, octomap, per beam", "save": "write a map"}
 
 
 def read_steps(path):

@@ -15,6 +15,7 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -31,6 +32,7 @@
 #include "fusion_core/search/pose_search.h"
 #include "fusion_core/verdict/evaluation.h"
 #include "fusion_octree/files.h"
+#include "fusion_octree/insertion/scan_insertion.h"
 #include "map_pair.h"
 #include "support/matching_tools.h"
 
@@ -259,6 +261,57 @@ void merge(State& state, const Workload& w) {
          bytesOf(*w.pair.a) + bytesOf(*w.pair.b) + bytesOf(*fused));
 }
 
+/** A scan of map A from a place in it: beams to its occupied voxels up to 15 m away. */
+struct Scan {
+  octomap::point3d origin;
+  std::vector<octomap::point3d> ends;
+};
+std::vector<Scan> scansOf(const Workload& w) {
+  constexpr size_t kScans = 8;
+  constexpr double kRange = 15;
+  const auto& centres = w.a.voxels.centre;
+  const auto toOctomap = [](const auto& p) {
+    return octomap::point3d(static_cast<float>(p.x()), static_cast<float>(p.y()),
+                            static_cast<float>(p.z()));
+  };
+  std::vector<Scan> scans(kScans);
+  for (size_t i = 0; i < kScans; i++) {
+    scans[i].origin = toOctomap(centres[i * centres.size() / kScans]);
+    for (const auto& centre : centres)
+      if ((toOctomap(centre) - scans[i].origin).norm() <= kRange)
+        scans[i].ends.push_back(toOctomap(centre));
+  }
+  return scans;
+}
+
+/** Inserts scans into an empty octree. `voxels` are the ends of the beams. */
+template <class Insert>
+void insertScans(State& state, const Workload& w, Insert&& insert) {
+  const std::vector<Scan> scans = scansOf(w);
+  size_t ends = 0;
+  for (const Scan& scan : scans) ends += scan.ends.size();
+  const auto tree = measure(state, [&] {
+    auto built = std::make_unique<octomap::OcTree>(w.pair.a->getResolution());
+    for (const Scan& scan : scans) insert(*built, scan);
+    return built;
+  });
+  report(state, ends, ends * sizeof(octomap::point3d) + bytesOf(*tree));  // ends in, tree out
+}
+void insert(State& state, const Workload& w) {
+  insertScans(state, w, [](octomap::OcTree& tree, const Scan& scan) {
+    insertScan(tree, scan.ends, scan.origin, -1, true, mrpt::fusion::InnerNodes::Pruned);
+  });
+}
+void insertWithOctomap(State& state, const Workload& w) {
+  insertScans(state, w, [](octomap::OcTree& tree, const Scan& scan) {
+    octomap::Pointcloud cloud;
+    for (const auto& end : scan.ends) cloud.push_back(end);
+    tree.insertPointCloud(cloud, scan.origin, -1, true);
+    tree.updateInnerOccupancy();
+    tree.prune();
+  });
+}
+
 void save(State& state, const Workload& w) {
   const TemporaryFolder folder;
   const std::string path = folder.file("map.ot");
@@ -299,6 +352,8 @@ const std::vector<std::pair<const char*, Step>> kSteps = {
     {"match", match},
     {"evaluate", evaluate},
     {"merge", merge},
+    {"insert", insert},
+    {"insert_octomap", insertWithOctomap},
     {"save", save},
 };
 

@@ -37,15 +37,7 @@ std::string newPage(const std::string& map) {
 
 /** Writes the page of a map or of the maps of a mission. \return The file. */
 std::string writePage(RunContext& run, const std::string& map, const std::string& wanted) {
-  auto robots = loadMission(run, map);
-  for (const Robot& robot : robots)
-    run.report.maps.push_back(mrpt::fusion::reportOn(robot.name, map, *robot.map.octree));
-  if (robots.empty()) {
-    Robot& robot = robots.emplace_back();
-    robot.name = "map";
-    robot.map = loadMap(run, "map", map);
-  }
-  drawMapsPage(run, robots);
+  drawMapsPage(run, loadFileOfRobots(run, "map", map));
   const std::string page = wanted.empty() ? newPage(map) : wanted;
   mrpt::fusion::writeFileAtomically(page, mrpt::fusion::toPage(run.report, run.page_scene));
   run.page_scene.clear();  // it is written

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "fusion_base/error_text.h"
+#include "fusion_base/files.h"
 #include "mrpt_fusion_maps/recordings/external_files.h"
 #include "mrpt_fusion_maps/recordings/left_out.h"
 #include "mrpt_fusion_maps/recordings/object_reader.h"
@@ -144,47 +145,52 @@ void noteMissingTimes(const RobotPath& path, Builder& builder) {
   builder.leaveOut(path.kind(), "it has no time stamp", path.posesWithoutTime());
 }
 
-void buildFromRawlog(const std::string& file, Builder& builder) {
-  RobotPath path(file);
+void buildFromRawlog(Recording& recording, Builder& builder) {
+  RobotPath path = recording.robotPath();
   noteMissingTimes(path, builder);
   CPose3D dead_reckoning;  // pose in the actions format
   bool has_actions = false;
-  ObjectReader reader(file);
-  while (const auto object = reader.next()) {
-    if (const auto* actions = dynamic_cast<const CActionCollection*>(object.get())) {
+  recording.forEachObject([&](const CSerializable& object) {
+    if (const auto* actions = dynamic_cast<const CActionCollection*>(&object)) {
       CPose3D increment;
       if (actions->getFirstMovementEstimationMean(increment))
         dead_reckoning = dead_reckoning + increment;
       has_actions = true;
-    } else if (const auto* frame = dynamic_cast<const CSensoryFrame*>(object.get())) {
+    } else if (const auto* frame = dynamic_cast<const CSensoryFrame*>(&object)) {
       if (!has_actions) throw std::runtime_error("has observations but no robot movements");
       insertAll(*frame, dead_reckoning, builder);
-    } else if (const auto* obs = dynamic_cast<const CObservation*>(object.get())) {
+    } else if (const auto* obs = dynamic_cast<const CObservation*>(&object)) {
       if (isRobotPose(*obs))
         path.pass(*obs);
       else
         insertAlongPath(*obs, path, builder);
     }
-  }
+  });
 }
 
 }  // namespace
 
-BuiltMap buildFrom(const std::string& path, const CSerializable& first, const BuildParams& params) {
+BuiltMap buildFrom(const std::string& path, const CSerializable& first, Recording* recording,
+                   const BuildParams& params) {
   Builder builder(params);
   mrpt::img::CImage::setImagesPathBase(imagesDirectoryOf(path));
   if (const auto* frames = dynamic_cast<const CSimpleMap*>(&first))
     buildFromSimpleMap(*frames, builder);
   else
-    buildFromRawlog(path, builder);
+    buildFromRawlog(*recording, builder);
   return builder.finish();
 }
 
 BuiltMap buildMap(const std::string& path, const BuildParams& params) {
   return withPath(path, [&] {
-    const auto first = firstObject(path);
+    beginningOf(path);  // throws with the reason if the file cannot be read
+    ObjectReader reader(path);
+    const auto first = reader.next();
     if (!isRecording(*first)) throw std::runtime_error("is not a simplemap or a rawlog");
-    return buildFrom(path, *first, params);
+    if (dynamic_cast<const CSimpleMap*>(first.get()))
+      return buildFrom(path, *first, nullptr, params);
+    Recording recording(path, reader, first);
+    return buildFrom(path, *first, &recording, params);
   });
 }
 

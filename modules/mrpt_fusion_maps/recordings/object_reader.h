@@ -4,6 +4,7 @@
 #include <mrpt/serialization/CSerializable.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 
 #include "mrpt_fusion_maps/archives/guarded_archive.h"
@@ -22,6 +23,8 @@ class ObjectReader {
   /** Returns the next object. Null at the end of the file. \exception std::runtime_error If the
    * file is of another kind or truncated. */
   mrpt::serialization::CSerializable::Ptr next();
+  /** Returns the number of uncompressed bytes of the objects so far. */
+  uint64_t bytes() const { return file_.getPosition(); }
 
  private:
   GzStream file_;

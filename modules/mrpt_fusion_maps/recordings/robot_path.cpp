@@ -7,8 +7,6 @@
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 
-#include "mrpt_fusion_maps/recordings/object_reader.h"
-
 using namespace mrpt::obs;
 using mrpt::poses::CPose3D;
 
@@ -31,14 +29,14 @@ void RobotPath::Poses::add(const CObservation& obs, const CPose3D& pose) {
   by_time.insert(obs.timestamp, pose);
 }
 
-RobotPath::RobotPath(const std::string& rawlog) {
-  ObjectReader reader(rawlog);
-  while (const auto object = reader.next()) {
-    if (const auto* pose = dynamic_cast<const CObservationRobotPose*>(object.get()))
-      robot_poses_.add(*pose, pose->pose.mean);
-    else if (const auto* odo = dynamic_cast<const CObservationOdometry*>(object.get()))
-      odometry_.add(*odo, CPose3D(odo->odometry));
-  }
+void RobotPath::add(const mrpt::serialization::CSerializable& object) {
+  if (const auto* pose = dynamic_cast<const CObservationRobotPose*>(&object))
+    robot_poses_.add(*pose, pose->pose.mean);
+  else if (const auto* odo = dynamic_cast<const CObservationOdometry*>(&object))
+    odometry_.add(*odo, CPose3D(odo->odometry));
+}
+
+void RobotPath::finish() {
   for (auto* p : {&robot_poses_, &odometry_})
     p->by_time.setInterpolationMethod(mrpt::poses::imLinearSlerp);
   const size_t times = poses().by_time.size();

@@ -7,7 +7,6 @@
 
 #include <cstddef>
 #include <optional>
-#include <string>
 
 /** \file
  * The path of the robot in a rawlog of observations. */
@@ -26,8 +25,10 @@ bool isRobotPose(const mrpt::obs::CObservation& obs);
  * stamp. */
 class RobotPath {
  public:
-  /** Reads all poses of a rawlog. \exception std::runtime_error If the file is damaged. */
-  explicit RobotPath(const std::string& rawlog);
+  /** Adds an object of the rawlog if it is a pose. */
+  void add(const mrpt::serialization::CSerializable& object);
+  /** Ends the path: all poses are added. */
+  void finish();
 
   bool empty() const { return poses().count == 0; }  ///< True if there is no pose
   /** True if the order of the log places all observations. */

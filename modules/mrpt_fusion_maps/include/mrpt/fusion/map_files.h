@@ -67,6 +67,18 @@ MRPT_FUSION_API BuiltMap buildMap(const std::string& path, const BuildParams& pa
 MRPT_FUSION_API mrpt::maps::CMetricMap::Ptr loadAnyMap(const std::string& path,
                                                        const BuildParams& params = {});
 
+/** What a file holds. */
+struct FileContents {
+  /** Latest maps of the robots of a recorded mission, see loadLocalMaps(). Empty for other files.
+   */
+  std::vector<mrpt::obs::CObservationLocalMap::Ptr> robots;
+  mrpt::maps::CMetricMap::Ptr map;  ///< Map of other files, see loadAnyMap(). Null for a mission
+};
+
+/** Loads a mission or a map. Reads the file once, unless it is a recording of more than 256 MB.
+ * \exception std::runtime_error "<path>: <reason>". */
+MRPT_FUSION_API FileContents loadContents(const std::string& path, const BuildParams& params = {});
+
 /** Loads the 3-D occupancy map of a file, see loadAnyMap() and asProbOctoMap().
  * \exception std::runtime_error "<path>: <reason>". */
 MRPT_FUSION_API std::shared_ptr<const mrpt::maps::CProbOctoMap> loadMap(

@@ -10,6 +10,8 @@
 #include <mrpt/poses/CPose3D.h>
 #include <octomap/OcTree.h>
 
+#include <atomic>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -124,7 +126,13 @@ class MRPT_FUSION_API CProbOctoMap : public CMetricMap {
    * @{ */
   /** Returns the tree. The map owns it. */
   const octomap::OcTree& octree() const { return *m_octree; }
-  octomap::OcTree& octree() { return *m_octree; }  //!< \overload
+  /** \overload
+   * After this call, each insertion of an observation visits all nodes of the tree, because the
+   * caller may have changed any node. To read the tree only, call std::as_const(map).octree(). */
+  octomap::OcTree& octree() {
+    m_tree_state.lend();
+    return *m_octree;
+  }
   /** Takes over a tree. The sensor model of the tree becomes that of insertionOptions. */
   void setOctree(std::unique_ptr<octomap::OcTree> tree);
 
@@ -285,12 +293,35 @@ class MRPT_FUSION_API CProbOctoMap : public CMetricMap {
 
  private:
   void applySensorModel();
-  /** Updates the inner nodes after lazy updates of leaves, and prunes. One update of all inner
-   * nodes costs less than one update for each leaf. */
-  void finishInsertion();
+  /** Replaces the tree, of which nothing is known. */
+  void replaceTree(std::unique_ptr<octomap::OcTree> tree);
+
+  /** What is known about the inner nodes of the tree, see InnerNodes in fusion_octree. Several
+   * threads may call octree() at the same time. */
+  class TreeState {
+   public:
+    explicit TreeState(uint8_t inner_nodes) : m_value(inner_nodes) {}
+    TreeState(const TreeState& o) : m_value(o.m_value.load()) {}
+    TreeState& operator=(const TreeState& o) {
+      m_value = o.m_value.load();
+      return *this;
+    }
+    void lend() { m_value = kLent; }  //!< The caller of octree() may change any node at any time
+    uint8_t innerNodes() const { return m_value == kLent ? uint8_t{0} : m_value.load(); }
+    void setInnerNodes(uint8_t known) {
+      if (m_value != kLent) m_value = known;
+    }
+
+   private:
+    static constexpr uint8_t kLent = 255;
+    std::atomic<uint8_t> m_value;
+  };
+  /** Inserts beams with the sensor model of insertionOptions. */
+  void insertScan(const std::vector<octomap::point3d>& ends, const octomap::point3d& origin);
 
   friend struct mrpt::fusion::SourcesOfMap;
   std::unique_ptr<octomap::OcTree> m_octree;
+  TreeState m_tree_state{0};
   mrpt::fusion::Sources m_sources;
   uint64_t m_sources_hash = 0;  //!< Hash of the voxels that have these sources
   mutable std::shared_ptr<const CSimplePointsMap> m_points;  //!< Last points; atomic access
