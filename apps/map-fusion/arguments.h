@@ -30,6 +30,7 @@ struct Arguments {
                                                ///< without a header have no other voxel size
   unsigned threads = 0;                        ///< Number of threads; 0: all cores
   bool edges_only = false;                     ///< Write structural edges, not maps
+  bool smallest = false;                       ///< Pack maps as small as possible
   bool force = false;                          ///< Merge rejected matches, too
   bool quiet = false;                          ///< Print neither summary nor progress
   bool verbose = false;                        ///< Print each iteration

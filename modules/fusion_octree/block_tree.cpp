@@ -54,7 +54,8 @@ const BlockTree::Values* BlockTree::addBlock(const octomap::OcTreeNode& node) {
     const auto* child = OcTreeAccess::child(node, i);
     if (!child) continue;
     if (!OcTreeAccess::hasChildren(*child)) {
-      for (unsigned j = 0; j < 8; j++) values[VoxelBlock::kRowIndex[8 * i + j]] = child->getLogOdds();
+      for (unsigned j = 0; j < 8; j++)
+        values[VoxelBlock::kRowIndex[8 * i + j]] = child->getLogOdds();
       continue;
     }
     for (unsigned j = 0; j < 8; j++)
@@ -71,8 +72,8 @@ float BlockTree::at(uint32_t x, uint32_t y, uint32_t z) const {
     bit--;
     const unsigned i = (x >> bit & 1U) | (y >> bit & 1U) << 1U | (z >> bit & 1U) << 2U;
     if (!(node->children >> i & 1U)) return kUnknown;
-    node = &nodes_[node->first + static_cast<uint32_t>(__builtin_popcount(
-                                     node->children & ((1U << i) - 1)))];
+    node = &nodes_[node->first +
+                   static_cast<uint32_t>(__builtin_popcount(node->children & ((1U << i) - 1)))];
   }
   return node->kind == Kind::Leaf ? node->log_odds : (*node->values)[indexOf(x, y, z)];
 }
@@ -81,8 +82,7 @@ Eigen::AlignedBox3d BlockTree::knownBlocks(double resolution) const {
   constexpr double kOrigin = 1U << (OcTreeCube::kMaxDepth - 1);
   Eigen::AlignedBox3d box;
   forEachLeafOrBlock([&](const Node&, const OcTreeCube& cube) {
-    const Eigen::Vector3d low =
-        Eigen::Array3d(cube.key[0], cube.key[1], cube.key[2]) - kOrigin;
+    const Eigen::Vector3d low = Eigen::Array3d(cube.key[0], cube.key[1], cube.key[2]) - kOrigin;
     box.extend(low);
     box.extend((low.array() + cube.side()).matrix());
   });

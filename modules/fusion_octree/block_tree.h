@@ -31,10 +31,10 @@ class BlockTree {
   using Values = std::array<float, VoxelBlock::kVoxels>;
   /** A node. */
   struct Node {
-    Kind kind = Kind::Leaf;          ///< Kind of the node
-    uint8_t children = 0;            ///< Bit i is set if the node has the i-th child
-    uint32_t first = 0;              ///< Number of the first of the children, which follow each other
-    float log_odds = 0;              ///< Log-odds of a leaf
+    Kind kind = Kind::Leaf;  ///< Kind of the node
+    uint8_t children = 0;    ///< Bit i is set if the node has the i-th child
+    uint32_t first = 0;      ///< Number of the first of the children, which follow each other
+    float log_odds = 0;      ///< Log-odds of a leaf
     const Values* values = nullptr;  ///< The voxels of a block
   };
   static constexpr float kUnknown = -std::numeric_limits<float>::infinity();

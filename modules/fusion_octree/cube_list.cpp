@@ -39,8 +39,10 @@ void CubeList::addBlock(const OcTreeCube& cube, const VoxelBlock& block) {
   bool is_leaf = true;
   for (unsigned i = 0; i < 8; i++) {
     float* values = &added.value[size_t{8} * i];
-    if (added.isUniformChild(i)) std::fill(values + 1, values + 8, values[0]);
-    else is_leaf = false;
+    if (added.isUniformChild(i))
+      std::fill(values + 1, values + 8, values[0]);
+    else
+      is_leaf = false;
     is_leaf = is_leaf && values[0] == added.value[0];
   }
   if (!is_leaf) {
@@ -87,7 +89,8 @@ void CubeList::pruneLast() {
 CubeRange CubeRange::in(unsigned i, const OcTreeCube& child) const {
   if (empty() || begin->cube.depth < child.depth) return *this;
   const auto before = [&child](unsigned number) {
-    return [number, &child](const ListedCube& c) { return childNumber(c.cube, child.depth) < number; };
+    return
+        [number, &child](const ListedCube& c) { return childNumber(c.cube, child.depth) < number; };
   };
   const ListedCube* first = std::partition_point(begin, end, before(i));
   return {first, std::partition_point(first, end, before(i + 1))};

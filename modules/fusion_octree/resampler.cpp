@@ -280,8 +280,7 @@ void Resampler::visitInTable(const OcTreeCube& cube, CubeList& out) {
   for (int z = low[2]; z <= high[2]; z++)
     for (int y = low[1]; y <= high[1]; y++)
       for (int x = low[0]; x <= high[0]; x++) {
-        const Table::Entry& entry =
-            table_.entries[(z * Table::kSide + y) * Table::kSide + x];
+        const Table::Entry& entry = table_.entries[(z * Table::kSide + y) * Table::kSide + x];
         is_unknown &= entry.values == unknown;
         is_leaf = is_leaf && entry.is_leaf && entry.values[0] == first.values[0];
       }
@@ -309,10 +308,9 @@ void Resampler::sample(const OcTreeCube& block, bool has_table, CubeList& out) {
     });
   else if (samples_per_axis_ > 1)
     sampleLattices(voxels, [&](const std::array<double, 3>& p) {
-      return valueInTable(
-          tableIndex<0>(static_cast<int>(p[0]) - kBlockSide * table_.low[0]) +
-          tableIndex<1>(static_cast<int>(p[1]) - kBlockSide * table_.low[1]) +
-          tableIndex<2>(static_cast<int>(p[2]) - kBlockSide * table_.low[2]));
+      return valueInTable(tableIndex<0>(static_cast<int>(p[0]) - kBlockSide * table_.low[0]) +
+                          tableIndex<1>(static_cast<int>(p[1]) - kBlockSide * table_.low[1]) +
+                          tableIndex<2>(static_cast<int>(p[2]) - kBlockSide * table_.low[2]));
     });
   else
     sampleCentres(voxels);
@@ -342,8 +340,10 @@ void Resampler::sampleCentres(VoxelBlock& voxels) const {
     for (int k = 0; k < kBlockSide; k++)
       for (int i = 0; i < kPlane; i++) {
         const int at = static_cast<int>(((plane[i] + z[k]) + t) + kGridOrigin) - low;
-        if (row == 0) index[kPlane * k + i] = tableIndex<0>(at);
-        else index[kPlane * k + i] += tableIndex<1>(at);
+        if (row == 0)
+          index[kPlane * k + i] = tableIndex<0>(at);
+        else
+          index[kPlane * k + i] += tableIndex<1>(at);
       }
   }
   const double *const x = lines_[2][0].data(), *const y = lines_[2][1].data();
@@ -352,7 +352,8 @@ void Resampler::sampleCentres(VoxelBlock& voxels) const {
   std::array<double, VoxelBlock::kVoxels> yz;
   for (int i = 0; i < kVoxels; i++) yz[i] = y[i / kBlockSide % kBlockSide] + z[i / kPlane];
   for (int i = 0; i < kVoxels; i++)
-    index[i] += tableIndex<2>(static_cast<int>(((x[i % kBlockSide] + yz[i]) + t) + kGridOrigin) - low);
+    index[i] +=
+        tableIndex<2>(static_cast<int>(((x[i % kBlockSide] + yz[i]) + t) + kGridOrigin) - low);
   for (unsigned i = 0; i < VoxelBlock::kVoxels; i++)
     voxels.value[i] = valueInTable(index[VoxelBlock::kRowIndex[i]]);
   markKnown(voxels);
@@ -367,8 +368,8 @@ void Resampler::sampleLattices(VoxelBlock& voxels, Lookup&& lookup) const {
     std::array<double, 3> p;
     for (unsigned row = 0; row < 3; row++) {
       const auto& [along_x, along_y, along_z] = lines_[row];
-      const double sum = row < 2 ? (along_x[x] + along_y[y]) + along_z[z]
-                                 : along_x[x] + (along_y[y] + along_z[z]);
+      const double sum =
+          row < 2 ? (along_x[x] + along_y[y]) + along_z[z] : along_x[x] + (along_y[y] + along_z[z]);
       p[row] = (sum + translation_[row]) + kGridOrigin;
     }
     return lookup(p);

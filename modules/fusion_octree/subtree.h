@@ -20,7 +20,7 @@ namespace mrpt::fusion {
  * allocated for them. */
 class Subtree {
  public:
-  Subtree() = default;                                                  ///< Makes unknown space
+  Subtree() = default;  ///< Makes unknown space
   explicit Subtree(float log_odds) : kind_(Kind::Leaf), value_(log_odds) {}  ///< Makes a leaf
   Subtree(Subtree&& o) noexcept
       : kind_(o.kind_), value_(o.value_), node_(std::exchange(o.node_, nullptr)), nodes_(o.nodes_) {
@@ -60,9 +60,9 @@ class Subtree {
   static void destroy(octomap::OcTreeNode* node);
 
   Kind kind_ = Kind::Unknown;
-  float value_ = 0;                       // log-odds
-  octomap::OcTreeNode* node_ = nullptr;   // of Kind::Inner
-  size_t nodes_ = 0;                      // number of nodes below the node, and the node itself
+  float value_ = 0;                      // log-odds
+  octomap::OcTreeNode* node_ = nullptr;  // of Kind::Inner
+  size_t nodes_ = 0;                     // number of nodes below the node, and the node itself
 };
 
 }  // namespace mrpt::fusion

@@ -149,8 +149,7 @@ class Addition {
   }
   /** Adds a leaf that contains lost voxels. */
   void addLeaf(const OcTreeCube& cube, float log_odds) {
-    if (next_ == lost_.cend() ||
-        !cube.contains({next_->voxel.key, OcTreeCube::kMaxDepth}))
+    if (next_ == lost_.cend() || !cube.contains({next_->voxel.key, OcTreeCube::kMaxDepth}))
       return out_.addLeaf(cube, log_odds);
     if (cube.depth == VoxelBlock::kDepth) {
       VoxelBlock block;
@@ -184,9 +183,9 @@ void keepThinObstacles(const OcTree& source, const BlockTree& blocks, const Eige
     for (size_t i = g * kPiecesPerTask; i < std::min((g + 1) * kPiecesPerTask, pieces.size()); i++)
       forEachOuterVoxel(pieces[i], threshold, [&](const OcTreeKey& key, float log_odds) {
         own.take(1);
-        const Eigen::Vector3d p = T * Eigen::Vector3d(source.keyToCoord(key[0]),
-                                                      source.keyToCoord(key[1]),
-                                                      source.keyToCoord(key[2]));
+        const Eigen::Vector3d p =
+            T * Eigen::Vector3d(source.keyToCoord(key[0]), source.keyToCoord(key[1]),
+                                source.keyToCoord(key[2]));
         const OcTreeKey home = grid.coordToKey(p.x(), p.y(), p.z());
         if (!hasObstacleNear(grid, lookup, home, p)) lost[g].push_back({home, log_odds});
       });

@@ -21,9 +21,9 @@ namespace detail {
 constexpr std::array<uint8_t, 64> rowIndices() {
   std::array<uint8_t, 64> places{};
   for (unsigned i = 0; i < 64; i++)
-    places[i] = static_cast<uint8_t>((i & 1U) | (i >> 3U & 1U) << 1U | (i >> 1U & 1U) << 2U |
-                                     (i >> 4U & 1U) << 3U | (i >> 2U & 1U) << 4U |
-                                     (i >> 5U & 1U) << 5U);
+    places[i] =
+        static_cast<uint8_t>((i & 1U) | (i >> 3U & 1U) << 1U | (i >> 1U & 1U) << 2U |
+                             (i >> 4U & 1U) << 3U | (i >> 2U & 1U) << 4U | (i >> 5U & 1U) << 5U);
   return places;
 }
 

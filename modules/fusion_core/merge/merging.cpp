@@ -54,15 +54,12 @@ class MergeVisitor {
   }
 
  private:
-  float fused(float a, float b) const {
-    return fuseLogOdds(a, b, params_, clamp_min_, clamp_max_);
-  }
+  float fused(float a, float b) const { return fuseLogOdds(a, b, params_, clamp_min_, clamp_max_); }
 
   void fuseBlock(const OcTreeCube& cube, const OcTreeNode& a, const CubeRange& b) {
     block_.known = 0;
     block_.add(a);
-    if (b.isLeafOf(cube))
-      b_leaf_.fill(b.begin->log_odds);
+    if (b.isLeafOf(cube)) b_leaf_.fill(b.begin->log_odds);
     const VoxelBlock& other = b.isLeafOf(cube) ? b_leaf_ : *b.block();
     for (unsigned i = 0; i < VoxelBlock::kVoxels; i++)
       if (other.isKnown(i))
