@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include "fusion_base/error_text.h"
 #include "fusion_base/file_kind.h"
@@ -35,17 +36,37 @@ LoadedMap loadFile(RunContext& run, const std::string& path) {
           mrpt::fusion::parseRawOcTree(readFileBytes(path), run.args.resolution, &map.notes);
   });
   if (!map.octree) map = mrptMaps().load(path, run.mapDefinition());
-  for (const auto& note : map.notes) run.note(path + ": " + note);
   return map;
 }
 
 }  // namespace
 
-LoadedMap loadMap(RunContext& run, const std::string& role, const std::string& path) {
+std::optional<ReadOctree> readAhead(const RunContext& run, const std::string& role,
+                                    const std::string& path) {
+  try {
+    if (!fs::is_regular_file(path) || inputKindOf(run, path) != InputKind::OcTree) return {};
+    ReadOctree read;
+    read.map.octree =
+        mrpt::fusion::parseOcTreeFile(mrpt::fusion::readFileBytes(path), &read.map.notes);
+    read.report = mrpt::fusion::reportOn(role, path, *read.map.octree);
+    return read;
+  } catch (const std::exception&) {
+    return {};  // loadMap() reads the file again, and says what is wrong
+  }
+}
+
+LoadedMap loadMap(RunContext& run, const std::string& role, const std::string& path,
+                  std::optional<ReadOctree> ahead) {
   run.progress.show("loading " + path);
-  LoadedMap map = loadFile(run, path);
+  if (!ahead) {
+    ahead.emplace();
+    ahead->map = loadFile(run, path);
+    ahead->report = mrpt::fusion::reportOn(role, path, *ahead->map.octree);
+  }
+  LoadedMap map = std::move(ahead->map);
+  for (const auto& note : map.notes) run.note(path + ": " + note);
   run.progress.clear();
-  run.report.maps.push_back(mrpt::fusion::reportOn(role, path, *map.octree));
+  run.report.maps.push_back(std::move(ahead->report));
   if (run.args.command != "info" && run.report.maps.back().statistics.occupied == 0)
     throw std::runtime_error(path + ": the map has no occupied voxel");
   run.endStep("load");

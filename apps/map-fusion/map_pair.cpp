@@ -10,6 +10,7 @@
 #include <mrpt/fusion/poses.h>
 #include <mrpt/fusion/voxels.h>
 #include <tbb/parallel_invoke.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <optional>
@@ -97,8 +98,12 @@ MapPair loadPair(RunContext& run) {
   if (!run.args.init.empty()) run.report.initial_pose = parsePose(run.args.init);
   if (!run.args.pose.empty()) run.report.pose.emplace().mean = parsePose(run.args.pose);
   MapPair pair;
-  pair.a = loadMap(run, "a", run.args.maps[0]);
-  pair.b = loadMap(run, "b", run.args.maps[1]);
+  const auto& paths = run.args.maps;
+  std::optional<ReadOctree> a, b;
+  tbb::parallel_invoke([&] { a = readAhead(run, "a", paths[0]); },
+                       [&] { b = readAhead(run, "b", paths[1]); });
+  pair.a = loadMap(run, "a", paths[0], std::move(a));
+  pair.b = loadMap(run, "b", paths[1], std::move(b));
   return pair;
 }
 
@@ -156,9 +161,18 @@ void choosePolicy(RunContext& run) {
 }
 
 void saveFused(RunContext& run, const std::shared_ptr<const octomap::OcTree>& fused) {
-  saveMap(fused, run.args.output);
+  mrpt::fusion::MapReport report;
+  tbb::task_group reporting;
+  reporting.run([&] { report = mrpt::fusion::reportOn("fused", run.args.output, *fused); });
+  try {
+    saveMap(fused, run.args.output);
+  } catch (...) {
+    reporting.wait();
+    throw;
+  }
+  reporting.wait();
   run.endStep("save");
-  run.report.maps.push_back(mrpt::fusion::reportOn("fused", run.args.output, *fused));
+  run.report.maps.push_back(std::move(report));
 }
 
 }  // namespace map_fusion

@@ -72,10 +72,9 @@ TEST_F(Missions, CarryMapsWithoutLossInHalfOfWhatGzipMakesOfThem) {
         mapFusion("transform " + pair(name + ".ot") + " --pose \"[0 0 0 0 0 0]\" -o same.ot").code,
         0);
     EXPECT_TRUE(readFile(dir_ / "back.ot") == readFile(dir_ / "same.ot"));
-    ASSERT_EQ(mapFusion("transform " + name +
-                        "_small.rawlog --pose \"[0 0 0 0 0 0]\" -o back.ot")
-                  .code,
-              0);
+    ASSERT_EQ(
+        mapFusion("transform " + name + "_small.rawlog --pose \"[0 0 0 0 0 0]\" -o back.ot").code,
+        0);
     EXPECT_TRUE(readFile(dir_ / "back.ot") == readFile(dir_ / "same.ot"));
   }
 }

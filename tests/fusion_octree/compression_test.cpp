@@ -164,8 +164,7 @@ TEST(OcTreeCompression, CountsThatTheDataDoesNotHoldTakeNoMemory) {
 
 TEST(OcTreeCompression, BytesBeyondTheCountsAreNotUnpacked) {
   const std::string data = counts(1, 1, 0) + std::string(300'000'000, '\0');
-  for (const std::string& bytes :
-       {xzPacked(data), mrpt::fusion::packed(data, Packing::Fast)}) {
+  for (const std::string& bytes : {xzPacked(data), mrpt::fusion::packed(data, Packing::Fast)}) {
     const MemoryLimit limit(100);
     const std::string error = errorOf([&] { decompressed(bytes); });
     EXPECT_NE(error, "");
@@ -175,7 +174,10 @@ TEST(OcTreeCompression, BytesBeyondTheCountsAreNotUnpacked) {
 
 TEST(OcTreeCompression, AWindowOfGigabytesIsAnErrorAndTakesNoMemory) {
   // A Zstandard frame with a window of 2 GB, and a block of 3 raw bytes.
-  const std::string bytes("\x28\xB5\x2F\xFD\x00\xA8\x19\x00\x00" "abc", 12);
+  const std::string bytes(
+      "\x28\xB5\x2F\xFD\x00\xA8\x19\x00\x00"
+      "abc",
+      12);
   const MemoryLimit limit(100);
   const std::string error = errorOf([&] { decompressed(bytes); });
   EXPECT_NE(error.find("damaged"), std::string::npos) << error;
