@@ -42,6 +42,21 @@ bool hasObstacleNear(const OcTree& grid, OccupiedCubes::Lookup& occupied, const 
   return false;
 }
 
+/** Returns the key of the voxel at a point: OctoMap's coordToKey(), without a call of floor().
+ * \param[in] p The point, m; inside the grid.
+ * \param[in] voxels_per_metre 1 / the voxel size. */
+OcTreeKey keyOf(const Eigen::Vector3d& p, double voxels_per_metre) {
+  constexpr int kOrigin = 1 << (OcTreeCube::kMaxDepth - 1);
+  OcTreeKey key;
+  for (unsigned axis = 0; axis < 3; axis++) {
+    const double scaled = voxels_per_metre * p[axis];
+    const int towards_zero = static_cast<int>(scaled);
+    const int floor = towards_zero - static_cast<int>(scaled < towards_zero);
+    key[axis] = static_cast<octomap::key_type>(floor + kOrigin);
+  }
+  return key;
+}
+
 /** A voxel of the new grid at a lost obstacle. */
 struct LostVoxel {
   OcTreeKey key;
@@ -186,7 +201,7 @@ void keepThinObstacles(const OcTree& source, const BlockTree& blocks, const Eige
         const Eigen::Vector3d p =
             T * Eigen::Vector3d(source.keyToCoord(key[0]), source.keyToCoord(key[1]),
                                 source.keyToCoord(key[2]));
-        const OcTreeKey home = grid.coordToKey(p.x(), p.y(), p.z());
+        const OcTreeKey home = keyOf(p, 1 / resolution);
         if (!hasObstacleNear(grid, lookup, home, p)) lost[g].push_back({home, log_odds});
       });
   });
