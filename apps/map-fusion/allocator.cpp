@@ -5,7 +5,8 @@
  * An octree has millions of small nodes. With pages of 4 kB, half the time of reading an octree is
  * spent on page faults, so we use huge pages. Our programs run for a short time, so freed memory is
  * kept for later use. Freed memory is also used for requests that are far smaller than its extents:
- * by default jemalloc takes new memory for these. */
+ * by default jemalloc takes new memory for these. Nodes and their arrays of children, 16 and 64
+ * bytes, lie in slabs of 64 kB: each slab is a search for memory. */
 
 #include <sys/mman.h>
 #include <sys/resource.h>
@@ -16,7 +17,8 @@
 extern "C" {
 extern const char* malloc_conf;
 const char* malloc_conf =
-    "thp:always,dirty_decay_ms:-1,muzzy_decay_ms:-1,lg_extent_max_active_fit:24";
+    "thp:always,dirty_decay_ms:-1,muzzy_decay_ms:-1,lg_extent_max_active_fit:24,slab_sizes:16-64:"
+    "16";
 }
 
 namespace {
@@ -27,7 +29,8 @@ void prepareForLittleMemory() {
   if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
   // jemalloc 5.3 crashes if a new thread finds no memory for an arena of its own.
   malloc_conf =
-      "narenas:1,thp:always,dirty_decay_ms:-1,muzzy_decay_ms:-1,lg_extent_max_active_fit:24";
+      "narenas:1,thp:always,dirty_decay_ms:-1,muzzy_decay_ms:-1,lg_extent_max_active_fit:24,slab_"
+      "sizes:16-64:16";
   // It also crashes if there is too little memory for its own start and for the constructors of
   // libraries.
   constexpr size_t kStart = size_t{12} << 20U;

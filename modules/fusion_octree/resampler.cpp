@@ -62,6 +62,9 @@ Resampler::Resampler(const BlockTree& source, const Eigen::Isometry3d& T_src_dst
   for (double s = 1; s < scale_ && table_depth_ <= VoxelBlock::kDepth; s *= 2) table_depth_++;
   for (auto& row : lines_)
     for (auto& line : row) line.resize(static_cast<size_t>(kBlockSide) * samples_per_axis_);
+  const int n = samples_per_axis_;
+  for (int i = 0; i < kBlockSide * n; i++)
+    samples_.push_back({static_cast<double>(i / n), (i % n + 0.5) / n});
 }
 
 std::vector<OcTreeCube> Resampler::cubesAt(unsigned depth) {
@@ -318,11 +321,10 @@ void Resampler::sample(const OcTreeCube& block, bool has_table, CubeList& out) {
 }
 
 void Resampler::makeLines(const OcTreeCube& block) {
-  const int n = samples_per_axis_;
   for (unsigned axis = 0; axis < 3; axis++)
-    for (int i = 0; i < kBlockSide * n; i++) {
-      const double offset = (i % n + 0.5) / n;
-      const double p = ((block.key[axis] + i / n) + offset - kGridOrigin) * scale_;
+    for (size_t i = 0; i < samples_.size(); i++) {
+      const double voxel = static_cast<double>(block.key[axis]) + samples_[i].voxel;
+      const double p = (voxel + samples_[i].offset - kGridOrigin) * scale_;
       for (unsigned row = 0; row < 3; row++) lines_[row][axis][i] = rotation_(row, axis) * p;
     }
 }

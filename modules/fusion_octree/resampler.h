@@ -105,6 +105,11 @@ class Resampler {
   Eigen::Vector3d half_extent_per_side_;
   std::vector<Piece> stack_;
   Table table_;
+  /** A sample along an axis of a block: its voxel, and its place in the voxel, in voxels. */
+  struct Sample {
+    double voxel, offset;
+  };
+  std::vector<Sample> samples_;
   /** The share of each axis of the new grid in each coordinate of a block's samples in the source:
    * lines_[row][axis][sample]. */
   std::array<std::array<std::vector<double>, 3>, 3> lines_;

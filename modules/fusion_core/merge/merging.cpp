@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fusion_base/bits.h"
 #include "fusion_octree/build.h"
 #include "fusion_octree/resampling.h"
 
@@ -17,6 +18,25 @@ using octomap::OcTreeNode;
 double clampedProbability(double p) { return std::clamp(p, 1e-6, 1 - 1e-6); }
 double probabilityOf(float log_odds) { return octomap::probability(log_odds); }
 float logOddsOf(double p) { return octomap::logodds(clampedProbability(p)); }
+
+/** As fuseLogOdds(), but the compiler may put it in the place of its calls. */
+inline float fuse(float a, float b, const MergeParams& params, float clamp_min, float clamp_max) {
+  switch (params.policy) {
+    case MergePolicy::RelativeEntropy: {
+      if (a == b) return a;
+      const double p = probabilityOf(a), q = probabilityOf(b);
+      if (relativeEntropy(p, q) > params.kl_threshold) return std::max(a, b);
+      return logOddsOf(weightedMean(p, q));
+    }
+    case MergePolicy::Average:
+      return a == b ? a : logOddsOf(0.5 * (probabilityOf(a) + probabilityOf(b)));
+    case MergePolicy::Stitch:
+      return a;
+    case MergePolicy::Bayes:
+      return std::clamp(a + b, std::min({clamp_min, a, b}), std::max({clamp_max, a, b}));
+  }
+  return a;
+}
 
 /** Traverses map A and map B on A's grid together. A leaf counts as all cubes in it. */
 class MergeVisitor {
@@ -54,16 +74,22 @@ class MergeVisitor {
   }
 
  private:
-  float fused(float a, float b) const { return fuseLogOdds(a, b, params_, clamp_min_, clamp_max_); }
+  float fused(float a, float b) const { return fuse(a, b, params_, clamp_min_, clamp_max_); }
 
   void fuseBlock(const OcTreeCube& cube, const OcTreeNode& a, const CubeRange& b) {
     block_.known = 0;
     block_.add(a);
     if (b.isLeafOf(cube)) b_leaf_.fill(b.begin->log_odds);
     const VoxelBlock& other = b.isLeafOf(cube) ? b_leaf_ : *b.block();
-    for (unsigned i = 0; i < VoxelBlock::kVoxels; i++)
-      if (other.isKnown(i))
-        block_.set(i, block_.isKnown(i) ? fused(block_.value[i], other.value[i]) : other.value[i]);
+    for (uint64_t both = block_.known & other.known; both; both &= both - 1) {
+      const auto i = static_cast<size_t>(lowestBit(both));
+      block_.value[i] = fused(block_.value[i], other.value[i]);
+    }
+    for (uint64_t only_b = other.known & ~block_.known; only_b; only_b &= only_b - 1) {
+      const auto i = static_cast<size_t>(lowestBit(only_b));
+      block_.value[i] = other.value[i];
+    }
+    block_.known |= other.known;
   }
 
   const OcTree& a_;
@@ -93,21 +119,7 @@ double relativeEntropy(double p, double q) {
 double weightedMean(double p, double q) { return p + q > 0 ? (p * p + q * q) / (p + q) : 0; }
 
 float fuseLogOdds(float a, float b, const MergeParams& params, float clamp_min, float clamp_max) {
-  switch (params.policy) {
-    case MergePolicy::RelativeEntropy: {
-      if (a == b) return a;
-      const double p = probabilityOf(a), q = probabilityOf(b);
-      if (relativeEntropy(p, q) > params.kl_threshold) return std::max(a, b);
-      return logOddsOf(weightedMean(p, q));
-    }
-    case MergePolicy::Average:
-      return a == b ? a : logOddsOf(0.5 * (probabilityOf(a) + probabilityOf(b)));
-    case MergePolicy::Stitch:
-      return a;
-    case MergePolicy::Bayes:
-      return std::clamp(a + b, std::min({clamp_min, a, b}), std::max({clamp_max, a, b}));
-  }
-  return a;
+  return fuse(a, b, params, clamp_min, clamp_max);
 }
 
 std::unique_ptr<OcTree> mergeMaps(const OcTree& a, const OcTree& b, const Eigen::Isometry3d& T_a_b,
