@@ -9,7 +9,8 @@ packages=(
   cmake g++ make pkg-config
   libmrpt-maps-dev libmrpt-slam-dev # bring mrpt-obs, -opengl, -graphs..., Eigen and nanoflann
   liboctomap-dev                    # also holds the real building that the demo uses
-  libeigen3-dev libceres-dev libtbb-dev libjemalloc-dev zlib1g-dev liblzma-dev libpng-dev
+  libeigen3-dev libceres-dev libtbb-dev libjemalloc-dev zlib1g-dev liblzma-dev libzstd-dev
+  libpng-dev
   libcli11-dev nlohmann-json3-dev
   libgtest-dev
   mrpt-apps mrpt-common             # tests: MRPT's programs, sample data

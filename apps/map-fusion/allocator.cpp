@@ -4,7 +4,14 @@
  *
  * An octree has millions of small nodes. With pages of 4 kB, half the time of reading an octree is
  * spent on page faults, so we use huge pages. Our programs run for a short time, so freed memory is
- * kept for later use. */
+ * kept for later use. All later use must find it:
+ *  - There is one arena, also for large requests. A thread does not use what is free in the arena
+ * of another thread. Bins of the arena are split, so that threads rarely wait for each other.
+ *  - Requests may be far smaller than the free extents that they divide. By default jemalloc takes
+ *    new memory for them.
+ *
+ * Nodes and their arrays of children, 16 and 64 bytes, lie in slabs of 64 kB: each slab is a search
+ * for memory. */
 
 #include <sys/mman.h>
 #include <sys/resource.h>
@@ -14,7 +21,9 @@
 
 extern "C" {
 extern const char* malloc_conf;
-const char* malloc_conf = "thp:always,dirty_decay_ms:-1,muzzy_decay_ms:-1";
+const char* malloc_conf =
+    "thp:always,dirty_decay_ms:-1,muzzy_decay_ms:-1,narenas:1,bin_shards:1-160:16,"
+    "oversize_threshold:0,lg_extent_max_active_fit:24,slab_sizes:16-64:16";
 }
 
 namespace {
@@ -23,10 +32,9 @@ namespace {
 void prepareForLittleMemory() {
   rlimit limit{};
   if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
-  // jemalloc 5.3 crashes if a new thread finds no memory for an arena of its own.
-  malloc_conf = "narenas:1,thp:always,dirty_decay_ms:-1,muzzy_decay_ms:-1";
-  // It also crashes if there is too little memory for its own start and for the constructors of
-  // libraries.
+  // jemalloc 5.3 crashes if a new thread finds no memory for an arena of its own: there is one
+  // arena. It also crashes if there is too little memory for its own start and for the constructors
+  // of libraries.
   constexpr size_t kStart = size_t{12} << 20U;
   void* start = ::mmap(nullptr, kStart, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (start != MAP_FAILED) {

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <numeric>
 
 #include "fusion_base/printable.h"
@@ -221,6 +222,8 @@ void addMapCommands(CommandLine& line, Arguments& args) {
   line.output(pack, "rawlog with one CObservationLocalMap per robot, named as the robot's file");
   pack->add_flag("--edges-only", args.edges_only,
                  "write only the structural edges: less than 5 % of the size");
+  pack->add_flag("--smallest", args.smallest,
+                 "pack by LZMA: 0.9 times the bytes, 10 times the time");
 
   auto* view = line.add("view",
                         "Show a map, or a page that --report wrote, in the browser.\n"
@@ -268,8 +271,32 @@ void checkCommand(const CLI::App& app, int argc, char** argv) {
     least = std::min(least, distance);
   }
   if (nearest == word) return;
+  std::error_code none;
+  if (std::filesystem::exists(word, none))
+    throw CLI::ValidationError("'" + mrpt::fusion::printable(word) +
+                               "' is a file; a command comes first: map-fusion fuse A B -o FILE");
   throw CLI::ValidationError("there is no command '" + mrpt::fusion::printable(word, kMostLetters) +
                              "'; the nearest is '" + nearest + "'");
+}
+
+/** \exception CLI::ValidationError If an option does not exist. It names the nearest option. */
+void checkOptions(const CLI::App& app) {
+  constexpr size_t kMostChanges = 3;
+  for (const auto* command : app.get_subcommands())
+    for (const std::string& word : command->remaining()) {
+      if (word.substr(0, 2) != "--") continue;
+      std::string nearest;
+      size_t least = kMostChanges + 1;
+      for (const auto* option : command->get_options())
+        for (const std::string& name : option->get_lnames()) {
+          const size_t distance = editDistance(word.substr(0, 40), "--" + name);
+          if (distance < least) nearest = "--" + name;
+          least = std::min(least, distance);
+        }
+      throw CLI::ValidationError(command->get_name() + " has no option " +
+                                 mrpt::fusion::printable(word) +
+                                 (nearest.empty() ? "" : "; the nearest is " + nearest));
+    }
 }
 
 /** \exception CLI::ValidationError If two outputs are the same file. */
@@ -299,14 +326,19 @@ std::optional<ExitCode> parseArguments(int argc, char** argv, Arguments& args) {
   app.set_version_flag("--version", "map-fusion " MAP_FUSION_VERSION);
   app.footer(
       "Exit codes: 0 success, and the match (if there is one) is accepted; 1 failure, for example\n"
-      "bad input; 2 wrong usage; 3 the match is rejected.\n"
+      "bad input; 2 wrong usage; 3 the match is rejected, or maps of a team are left out.\n"
       "'map-fusion COMMAND --help' describes a command.");
   CommandLine line(app, args);
   addPairCommands(line, args);
   addMapCommands(line, args);
   try {
     checkCommand(app, argc, argv);
-    app.parse(argc, argv);
+    try {
+      app.parse(argc, argv);
+    } catch (const CLI::ExtrasError&) {
+      checkOptions(app);
+      throw;
+    }
     checkOutputs(args);
     if (args.maps.size() != 2 && !(args.init + args.pose_out + args.picture + args.scene).empty())
       throw CLI::ValidationError(

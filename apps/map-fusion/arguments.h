@@ -34,6 +34,7 @@ struct Arguments {
   unsigned threads = 0;                        ///< Number of threads; 0: all cores
   bool edges_only = false;                     ///< Write structural edges, not maps
   bool independent = false;                    ///< Maps with the same sources all count
+  bool smallest = false;                       ///< Pack maps as small as possible
   bool force = false;                          ///< Merge rejected matches, too
   bool quiet = false;                          ///< Print neither summary nor progress
   bool verbose = false;                        ///< Print each iteration

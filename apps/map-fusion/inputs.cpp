@@ -40,10 +40,11 @@ LoadedMap loadOctomapFile(RunContext& run, const std::string& path) {
 }
 
 /** Reports on a map that was loaded. A map without sources is a source named by its file. */
-void report(RunContext& run, const std::string& role, const std::string& path, LoadedMap& map) {
+void report(RunContext& run, const std::string& path, LoadedMap& map,
+            mrpt::fusion::MapReport on_map) {
   for (const auto& note : map.notes) run.note(path + ": " + note);
   run.progress.clear();
-  run.report.maps.push_back(mrpt::fusion::reportOn(role, path, *map.octree));
+  run.report.maps.push_back(std::move(on_map));
   run.report.maps.back().sources = map.sources;
   if (map.sources.empty()) map.sources = {{{}, namesOf({path}).front(), 0, 0}};
   if (run.args.command != "info" && run.report.maps.back().statistics.occupied == 0)
@@ -52,11 +53,31 @@ void report(RunContext& run, const std::string& role, const std::string& path, L
 
 }  // namespace
 
-LoadedMap loadMap(RunContext& run, const std::string& role, const std::string& path) {
+std::optional<ReadOctree> readAhead(const RunContext& run, const std::string& role,
+                                    const std::string& path) {
+  try {
+    if (!fs::is_regular_file(path) || inputKindOf(run, path) != InputKind::OcTree) return {};
+    ReadOctree read;
+    read.map.octree =
+        mrpt::fusion::parseOcTreeFile(mrpt::fusion::readFileBytes(path), &read.map.notes);
+    read.report = mrpt::fusion::reportOn(role, path, *read.map.octree);
+    return read;
+  } catch (const std::exception&) {
+    return {};  // loadMap() reads the file again, and says what is wrong
+  }
+}
+
+LoadedMap loadMap(RunContext& run, const std::string& role, const std::string& path,
+                  std::optional<ReadOctree> ahead) {
   run.progress.show("loading " + path);
-  LoadedMap map = loadOctomapFile(run, path);
-  if (!map.octree) map = mrptMaps().load(path, run.mapDefinition());
-  report(run, role, path, map);
+  if (!ahead) {
+    ahead.emplace();
+    ahead->map = loadOctomapFile(run, path);
+    if (!ahead->map.octree) ahead->map = mrptMaps().load(path, run.mapDefinition());
+    ahead->report = mrpt::fusion::reportOn(role, path, *ahead->map.octree);
+  }
+  LoadedMap map = std::move(ahead->map);
+  report(run, path, map, std::move(ahead->report));
   run.endStep("load");
   return map;
 }
@@ -85,7 +106,7 @@ std::vector<Robot> loadFileOfRobots(RunContext& run, const std::string& role,
     run.report.maps.back().sources = robot.map.sources;
   }
   if (contents.map) {
-    report(run, role, path, *contents.map);
+    report(run, path, *contents.map, mrpt::fusion::reportOn(role, path, *contents.map->octree));
     Robot& robot = contents.robots.emplace_back();
     robot.name = role;
     robot.map = std::move(*contents.map);

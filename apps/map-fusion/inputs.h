@@ -3,6 +3,7 @@
 
 #include <mrpt/fusion/edges.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,11 +15,25 @@
 
 namespace map_fusion {
 
+/** A map that was read from an octree file, and the report on it. */
+struct ReadOctree {
+  LoadedMap map;
+  mrpt::fusion::MapReport report;
+};
+
+/** Reads a file ahead of loadMap(), in a thread of its own. Returns nothing if the file is not an
+ * octree, or if something is wrong with it.
+ * \param[in] role See MapReport. */
+std::optional<ReadOctree> readAhead(const RunContext& run, const std::string& role,
+                                    const std::string& path);
+
 /** Loads the map of a file of any kind, and reports on it. What differs from the file is noted.
  * \param[in] role See MapReport.
+ * \param[in] ahead The result of readAhead(), if the file was read ahead.
  * \exception std::runtime_error "<path>: <reason>", also if a command other than `info` gets a map
  * without occupied voxels. */
-LoadedMap loadMap(RunContext& run, const std::string& role, const std::string& path);
+LoadedMap loadMap(RunContext& run, const std::string& role, const std::string& path,
+                  std::optional<ReadOctree> ahead = {});
 
 /** What a file may hold, by its first bytes. */
 enum class InputKind {

@@ -10,6 +10,7 @@
 #include <mrpt/fusion/poses.h>
 #include <mrpt/fusion/voxels.h>
 #include <tbb/parallel_invoke.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <optional>
@@ -101,10 +102,13 @@ MapPair loadPair(RunContext& run) {
   if (!run.args.init.empty()) run.report.initial_pose = parsePose(run.args.init);
   if (!run.args.pose.empty()) run.report.pose.emplace().mean = parsePose(run.args.pose);
   MapPair pair;
-  if (!run.args.priors.empty())
-    pair.prior = loadPriors(run.args.priors, run.args.maps.size()).of(0, 1);
-  pair.a = loadMap(run, "a", run.args.maps[0]);
-  pair.b = loadMap(run, "b", run.args.maps[1]);
+  const auto& paths = run.args.maps;
+  if (!run.args.priors.empty()) pair.prior = loadPriors(run.args.priors, paths.size()).of(0, 1);
+  std::optional<ReadOctree> a, b;
+  tbb::parallel_invoke([&] { a = readAhead(run, "a", paths[0]); },
+                       [&] { b = readAhead(run, "b", paths[1]); });
+  pair.a = loadMap(run, "a", paths[0], std::move(a));
+  pair.b = loadMap(run, "b", paths[1], std::move(b));
   return pair;
 }
 
@@ -190,9 +194,18 @@ void noteCounting(RunContext& run, const std::string& map, mrpt::fusion::Countin
 
 void saveFused(RunContext& run, const std::shared_ptr<const octomap::OcTree>& fused,
                const mrpt::fusion::Sources& sources) {
-  saveMap(fused, run.args.output, sources);
+  mrpt::fusion::MapReport report;
+  tbb::task_group reporting;
+  reporting.run([&] { report = mrpt::fusion::reportOn("fused", run.args.output, *fused); });
+  try {
+    saveMap(fused, run.args.output, sources);
+  } catch (...) {
+    reporting.wait();
+    throw;
+  }
+  reporting.wait();
   run.endStep("save");
-  run.report.maps.push_back(mrpt::fusion::reportOn("fused", run.args.output, *fused));
+  run.report.maps.push_back(std::move(report));
   run.report.maps.back().sources = sources;
 }
 

@@ -100,8 +100,9 @@ class MrptMaps {
   /** Loads the latest map of each robot of a recorded mission, or the map of another file. */
   virtual FileContents loadContents(const std::string& path,
                                     const MapDefinition& definition) const = 0;
-  /** Writes a mission. */
-  virtual void saveMission(const std::vector<Robot>& robots, const std::string& path) const = 0;
+  /** Writes a mission. \param[in] smallest See CObservationLocalMap::smallest. */
+  virtual void saveMission(const std::vector<Robot>& robots, bool smallest,
+                           const std::string& path) const = 0;
   /** Builds a map from a recording. */
   virtual BuiltMap build(const std::string& recording, const MapDefinition& definition) const = 0;
   /** Saves a map, see mrpt::fusion::saveMap(). */

@@ -96,13 +96,15 @@ class MapsOfModule : public MrptMaps {
     return contents;
   }
 
-  void saveMission(const std::vector<Robot>& robots, const std::string& path) const override {
+  void saveMission(const std::vector<Robot>& robots, bool smallest,
+                   const std::string& path) const override {
     std::vector<CObservationLocalMap::Ptr> observations;
     for (const Robot& robot : robots) {
       auto o =
           robot.sent ? CObservationLocalMap::Create(*robot.sent) : CObservationLocalMap::Create();
       o->sensorLabel = robot.name;
       o->map = mrptMapOf(robot.map);
+      o->smallest = o->smallest || smallest;
       observations.push_back(o);
     }
     const SilentErrors silent;

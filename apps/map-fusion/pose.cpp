@@ -9,12 +9,14 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <sstream>
 #include <stdexcept>
 #include <vector>
 
 #include "fusion_base/error_text.h"
 #include "fusion_base/files.h"
+#include "fusion_octree/files.h"
 
 namespace map_fusion {
 
@@ -38,6 +40,8 @@ std::vector<double> parseNumbers(const std::string& text, size_t count, const st
     const auto is_text = [](char c) { return c > ' ' && c <= '~'; };
     if (!std::all_of(word.begin(), word.end(), is_text))  // never the bytes of, say, a picture
       throw std::runtime_error(what + ": there are characters that belong to no number");
+    if (word.back() == ',' && word.size() > 1)
+      throw std::runtime_error(what + ": blanks separate the numbers, not commas");
     if (used != word.size() || !std::isfinite(value))
       throw std::runtime_error(what + ": '" + word.substr(0, 20) + "' is not a finite number");
     numbers.push_back(value);
@@ -78,8 +82,17 @@ mrpt::poses::CPose3D parsePose(const std::string& text) {
     return mrpt::poses::CPose3D(v[0], v[1], v[2], mrpt::DEG2RAD(v[3]), mrpt::DEG2RAD(v[4]),
                                 mrpt::DEG2RAD(v[5]));
   }
-  return mrpt::fusion::withPath(
-      text, [&] { return parseMatrix(mrpt::fusion::readFileBytes(text, kMostPoseBytes)); });
+  const bool is_number =
+      !text.empty() && text.find_first_not_of("+-.0123456789eE, \t") == std::string::npos;
+  std::error_code none;
+  if (is_number && !std::filesystem::exists(text, none))
+    throw std::runtime_error("pose '" + text + "': six numbers need [ ] and quotes: " +
+                             "\"[x y z yaw pitch roll]\" (m, deg)");
+  return mrpt::fusion::withPath(text, [&] {
+    const std::string bytes = mrpt::fusion::readFileBytes(text, kMostPoseBytes);
+    if (mrpt::fusion::isOcTreeFile(bytes)) throw std::runtime_error("is a map, not a pose");
+    return parseMatrix(bytes);
+  });
 }
 
 std::string toMatrixText(const mrpt::poses::CPose3D& pose) {

@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Compresses octrees with LZMA, and reads untrusted compressed data. */
+ * Turns octrees into bytes that pack well, and reads untrusted packed data. */
 #include "fusion_octree/compression.h"
-
-#include <lzma.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <memory>
 #include <numeric>
 #include <stdexcept>
-#include <unordered_map>
 #include <vector>
 
 #include "fusion_base/byte_reader.h"
@@ -37,17 +33,12 @@ float valueOf(uint32_t bits) {
   return value;
 }
 
-uint8_t childrenOf(const octomap::OcTree& tree, const OcTreeNode* node) {
-  uint8_t children = 0;
-  for (unsigned i = 0; i < 8; i++)
-    if (tree.nodeChildExists(node, i)) children |= static_cast<uint8_t>(1U << i);
-  return children;
-}
-
 /** Appends \a bytes planes: plane i holds byte i of each number. */
 void appendPlanes(const std::vector<uint32_t>& numbers, unsigned bytes, std::string& out) {
+  size_t at = out.size();
+  out.resize(at + bytes * numbers.size());
   for (unsigned i = 0; i < bytes; i++)
-    for (const uint32_t n : numbers) out.push_back(static_cast<char>(n >> (8 * i) & 0xFFU));
+    for (const uint32_t n : numbers) out[at++] = static_cast<char>(n >> (8 * i) & 0xFFU);
 }
 
 std::vector<uint32_t> takePlanes(ByteReader& in, size_t count, unsigned bytes) {
@@ -78,31 +69,84 @@ struct Parts {
   std::vector<Exception> exceptions;
 };
 
-void collect(const octomap::OcTree& tree, const OcTreeNode* node, unsigned depth, Parts& parts) {
+void collect(const OcTreeNode* node, unsigned depth, Parts& parts) {
   const uint64_t number = parts.nodes++;
   if (number >= kMostCompressedNodes) throw std::length_error("the map is too large to compress");
-  const uint8_t children = childrenOf(tree, node);
+  uint8_t children = 0;
+  if (OcTreeAccess::childrenOf(*node))
+    for (unsigned i = 0; i < 8; i++)
+      if (OcTreeAccess::child(*node, i)) children |= static_cast<uint8_t>(1U << i);
   if (depth < OcTreeCube::kMaxDepth) parts.masks.push_back(static_cast<char>(children));
   if (children == 0) {
     parts.leaves.push_back(bitsOf(node->getLogOdds()));
     return;
   }
-  if (bitsOf(node->getLogOdds()) != bitsOf(node->getMaxChildLogOdds()))
+  float highest = -std::numeric_limits<float>::max();  // as OctoMap's getMaxChildLogOdds()
+  for (unsigned i = 0; i < 8; i++)
+    if (children >> i & 1U)
+      highest = std::max(highest, OcTreeAccess::child(*node, i)->getLogOdds());
+  if (bitsOf(node->getLogOdds()) != bitsOf(highest))
     parts.exceptions.push_back({number, node->getLogOdds()});
   for (unsigned i = 0; i < 8; i++)
-    if (children >> i & 1U) collect(tree, tree.getNodeChild(node, i), depth + 1, parts);
+    if (children >> i & 1U) collect(OcTreeAccess::child(*node, i), depth + 1, parts);
 }
 
-/** Returns the distinct values, most frequent first. */
-std::vector<uint32_t> tableOf(const std::vector<uint32_t>& leaves) {
-  std::unordered_map<uint32_t, size_t> count;
-  for (const uint32_t value : leaves) count[value]++;
-  std::vector<uint32_t> table;
-  table.reserve(count.size());
-  for (const auto& [value, n] : count) table.push_back(value);
-  std::sort(table.begin(), table.end(), [&](uint32_t a, uint32_t b) {
-    return count[a] != count[b] ? count[a] > count[b] : a < b;
+/** The distinct values of the leaves, and the place of each leaf's value among them. */
+struct ValueTable {
+  std::vector<uint32_t> values;  ///< Most frequent first; empty if there are too many
+  std::vector<uint32_t> places;  ///< Of each leaf
+};
+
+/** Numbers values in the order in which they come. */
+class ValueNumbers {
+ public:
+  /** Returns the number of a value, which is new or known. */
+  uint32_t operator[](uint32_t value) {
+    size_t slot = (value * 0x9e3779b1U) >> (32U - kSlotBits);
+    while (numbers_[slot] != kFree && values_[numbers_[slot]] != value)
+      slot = (slot + 1) & (numbers_.size() - 1);
+    if (numbers_[slot] == kFree) {
+      numbers_[slot] = static_cast<uint32_t>(values_.size());
+      values_.push_back(value);
+    }
+    return numbers_[slot];
+  }
+  const std::vector<uint32_t>& values() const { return values_; }
+
+ private:
+  static constexpr unsigned kSlotBits = 18;
+  static constexpr uint32_t kFree = std::numeric_limits<uint32_t>::max();
+  static_assert(kMostValues <= (size_t{1} << kSlotBits) / 4, "the table has free slots");
+
+  std::vector<uint32_t> values_;
+  std::vector<uint32_t> numbers_ = std::vector<uint32_t>(size_t{1} << kSlotBits, kFree);
+};
+
+ValueTable tableOf(const std::vector<uint32_t>& leaves) {
+  // If nearly all leaves have distinct values, a table would only add data.
+  const uint64_t most = std::min<uint64_t>(kMostValues, leaves.size() / 4 + 1);
+  ValueNumbers numbers;
+  std::vector<size_t> count;
+  ValueTable table;
+  table.places.reserve(leaves.size());
+  for (const uint32_t value : leaves) {
+    const uint32_t number = numbers[value];
+    if (number == count.size()) count.push_back(0);
+    if (count.size() > most) return {};
+    count[number]++;
+    table.places.push_back(number);
+  }
+  const std::vector<uint32_t>& values = numbers.values();
+  std::vector<uint32_t> order(values.size()), place(values.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    return count[a] != count[b] ? count[a] > count[b] : values[a] < values[b];
   });
+  for (uint32_t i = 0; i < order.size(); i++) {
+    place[order[i]] = i;
+    table.values.push_back(values[order[i]]);
+  }
+  for (uint32_t& p : table.places) p = place[p];
   return table;
 }
 
@@ -116,21 +160,13 @@ std::string flatten(const Parts& parts) {
   for (const auto& e : parts.exceptions)
     out.append(reinterpret_cast<const char*>(&e.value), sizeof(e.value));
 
-  // If nearly all leaves have distinct values, a table would only add data.
-  std::vector<uint32_t> table = tableOf(parts.leaves);
-  if (table.size() > kMostValues || table.size() > parts.leaves.size() / 4 + 1) table.clear();
-  append(table.size(), out);
-  appendPlanes(table, sizeof(float), out);
-  if (table.empty()) {
+  const ValueTable table = tableOf(parts.leaves);
+  append(table.values.size(), out);
+  appendPlanes(table.values, sizeof(float), out);
+  if (table.values.empty())
     appendPlanes(parts.leaves, sizeof(float), out);
-    return out;
-  }
-  std::unordered_map<uint32_t, uint32_t> place;
-  for (uint32_t i = 0; i < table.size(); i++) place[table[i]] = i;
-  std::vector<uint32_t> places(parts.leaves.size());
-  std::transform(parts.leaves.begin(), parts.leaves.end(), places.begin(),
-                 [&](uint32_t value) { return place[value]; });
-  appendPlanes(places, bytesFor(table.size()), out);
+  else
+    appendPlanes(table.places, bytesFor(table.values.size()), out);
   return out;
 }
 
@@ -228,61 +264,19 @@ class Unflattening {
   size_t next_mask_ = 0, next_leaf_ = 0, next_exception_ = 0;
 };
 
-std::string compressed(std::string_view bytes) {
-  lzma_options_lzma options;
-  lzma_lzma_preset(&options, 9 | LZMA_PRESET_EXTREME);
-  constexpr size_t kSmallest = LZMA_DICT_SIZE_MIN, kLargest = size_t{1} << 26U;
-  options.dict_size = static_cast<uint32_t>(std::clamp(bytes.size(), kSmallest, kLargest));
-  options.pb = 0;  // bytes have no alignment
-  lzma_filter filters[] = {{LZMA_FILTER_LZMA2, &options}, {LZMA_VLI_UNKNOWN, nullptr}};
-  std::string out(lzma_stream_buffer_bound(bytes.size()), '\0');
-  size_t size = 0;
-  if (::lzma_stream_buffer_encode(
-          filters, LZMA_CHECK_CRC32, nullptr, reinterpret_cast<const uint8_t*>(bytes.data()),
-          bytes.size(), reinterpret_cast<uint8_t*>(out.data()), &size, out.size()) != LZMA_OK)
-    throw std::bad_alloc();
-  out.resize(size);
-  return out;
-}
-
-std::string decompressed(std::string_view bytes, size_t most_nodes) {
-  constexpr uint64_t kMemory = uint64_t{1} << 28U;
-  uint64_t most = std::numeric_limits<uint64_t>::max();  // known from the first block on
-  lzma_stream stream = LZMA_STREAM_INIT;
-  const std::unique_ptr<lzma_stream, decltype(&::lzma_end)> end(&stream, &::lzma_end);
-  if (::lzma_stream_decoder(&stream, kMemory, 0) != LZMA_OK) throw std::bad_alloc();
-  stream.next_in = reinterpret_cast<const uint8_t*>(bytes.data());
-  stream.avail_in = bytes.size();
-  std::string out;
-  std::vector<uint8_t> block(size_t{1} << 18U);
-  lzma_ret state = LZMA_OK;
-  while (state == LZMA_OK && out.size() <= most) {
-    stream.next_out = block.data();
-    stream.avail_out = block.size();
-    state = ::lzma_code(&stream, LZMA_FINISH);
-    const bool is_first = out.empty();
-    out.append(block.begin(), block.end() - static_cast<ptrdiff_t>(stream.avail_out));
-    if (is_first && out.size() == block.size()) {
-      ByteReader in(out);
-      most = takeCounts(in, most_nodes).mostBytes();
-    }
-  }
-  const bool all_taken = stream.avail_in == 0;
-  if (state != LZMA_STREAM_END || !all_taken)
-    corrupt("the map's compressed data is truncated or damaged");
-  return out;
-}
-
 }  // namespace
 
-std::string compressNodes(const octomap::OcTree& tree) {
+std::string compressNodes(const octomap::OcTree& tree, Packing packing) {
   Parts parts;
-  if (tree.getRoot()) collect(tree, tree.getRoot(), 0, parts);
-  return compressed(flatten(parts));
+  if (tree.getRoot()) collect(tree.getRoot(), 0, parts);
+  return packed(flatten(parts), packing);
 }
 
 void decompressNodes(std::string_view bytes, octomap::OcTree& tree, size_t most_nodes) {
-  const std::string flat = decompressed(bytes, most_nodes);
+  const std::string flat = unpacked(bytes, [&](std::string_view beginning) {
+    ByteReader in(beginning);
+    return takeCounts(in, most_nodes).mostBytes();
+  });
   Unflattening(flat, tree, most_nodes).run();
 }
 

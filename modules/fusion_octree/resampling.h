@@ -6,6 +6,8 @@
 #include <Eigen/Geometry>
 #include <memory>
 
+#include "fusion_octree/cube_list.h"
+
 /** \file
  * The rigid transform of an octree. */
 
@@ -38,10 +40,16 @@ namespace mrpt::fusion {
  * \exception std::out_of_range If the moved map leaves the new grid (2^15 voxels from its origin).
  *
  * Cost: proportional to the number of voxels at the *boundaries* between leaves of different
- * values. The inside of a pruned leaf is copied as a whole. Memory: the new octree.
+ * values. The inside of a pruned leaf is copied as a whole. Memory: the new octree, and 256 bytes
+ * for each block of 4 x 4 x 4 voxels of the source and of the result.
  */
 std::unique_ptr<octomap::OcTree> transformOcTree(const octomap::OcTree& source,
                                                  const Eigen::Isometry3d& T_dst_src,
                                                  double resolution);
+
+/** Returns the leaves of transformOcTree(), without the octree. Parameters and exceptions as
+ * transformOcTree(). */
+CubeList resampledCubes(const octomap::OcTree& source, const Eigen::Isometry3d& T_dst_src,
+                        double resolution);
 
 }  // namespace mrpt::fusion

@@ -42,15 +42,14 @@ namespace detail {
 /** Calls f for the leaves below a node with children. Most nodes are leaves: a leaf needs no
  * recursive call. */
 template <class F>
-void forEachLeafBelow(const octomap::OcTree& tree, const octomap::OcTreeNode& node,
-                      const OcTreeCube& cube, F&& f) {
+void forEachLeafBelow(const octomap::OcTreeNode& node, const OcTreeCube& cube, F&& f) {
   for (unsigned i = 0; i < 8; i++) {
-    if (!tree.nodeChildExists(&node, i)) continue;
-    const octomap::OcTreeNode& child = *tree.getNodeChild(&node, i);
-    if (tree.nodeHasChildren(&child))
-      forEachLeafBelow(tree, child, cube.child(i), f);
+    const octomap::OcTreeNode* child = OcTreeAccess::child(node, i);
+    if (!child) continue;
+    if (OcTreeAccess::hasChildren(*child))
+      forEachLeafBelow(*child, cube.child(i), f);
     else
-      f(cube.child(i), child);
+      f(cube.child(i), *child);
   }
 }
 
@@ -62,7 +61,7 @@ void forEachLeaf(const octomap::OcTree& tree, F&& f) {
   const octomap::OcTreeNode* root = tree.getRoot();
   if (!root) return;
   if (tree.nodeHasChildren(root))
-    detail::forEachLeafBelow(tree, *root, {}, f);
+    detail::forEachLeafBelow(*root, {}, f);
   else
     f(OcTreeCube{}, *root);
 }

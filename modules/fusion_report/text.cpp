@@ -6,6 +6,7 @@
 
 #include <mrpt/fusion/poses.h>
 
+#include <algorithm>
 #include <cstdarg>
 #include <cstdio>
 #include <ostream>
@@ -32,12 +33,17 @@ std::string poseText(const mrpt::poses::CPose3D& p) {
   return text;
 }
 
+constexpr size_t kWidestName = 40;  // longer names move the columns behind them
+
 void printMaps(const Report& r, std::ostream& out) {
-  out << "maps             voxel   occupied       free   mean entropy (nats)   size\n"
-      << "                     m     voxels     voxels   occupied    known     m\n";
+  size_t width = 12;
+  for (const auto& m : r.maps) width = std::max(width, std::min(m.role.size(), kWidestName));
+  const auto w = static_cast<int>(width);
+  line(out, "%-*s   voxel   occupied       free   mean entropy (nats)   size", w + 2, "maps");
+  line(out, "%-*s       m     voxels     voxels   occupied    known     m", w + 2, "");
   for (const auto& m : r.maps) {
     const auto& s = m.statistics;
-    line(out, "  %-12s %7.3f %10zu %10zu   %8.4f %8.4f     %.1f x %.1f x %.1f", m.role.c_str(),
+    line(out, "  %-*s %7.3f %10zu %10zu   %8.4f %8.4f     %.1f x %.1f x %.1f", w, m.role.c_str(),
          m.resolution, s.occupied, s.free, s.mean_entropy_occupied, s.mean_entropy_known,
          m.high[0] - m.low[0], m.high[1] - m.low[1], m.high[2] - m.low[2]);
   }
@@ -73,15 +79,17 @@ void printMatch(const Alignment& info, std::ostream& out) {
     line(out, "iterations       %zu on edges, %zu on voxels", edge_iterations,
          info.match.iterations.size() - edge_iterations);
   }
-  line(out, "overlap          %.1f %%  (%zu of %zu voxels of B paired)", 100 * e.overlap, e.pairs,
-       e.sampled);
+  line(out, "overlap          %.1f %%  (mean of both maps; of B: %zu of %zu sampled voxels paired)",
+       100 * e.overlap, e.pairs, e.sampled);
   line(out, "inlier ratio     %.1f %%  (threshold %.1f %%)", 100 * e.inlier_ratio,
        100 * e.threshold);
   if (e.free_space.knowsConflicts())
     line(out, "conflict ratio   %.1f %%  (obstacles in seen free space of the other map)",
          100 * e.free_space.conflictRatio());
   else
-    line(out, "conflict ratio   unknown  (no obstacle lies where the other map has free space)");
+    line(out,
+         "conflict ratio   unknown  (nothing to compare: no obstacle lies where the other map is "
+         "free)");
   line(out, "verdict          %s", verdictOf(e));
   for (const auto& reason : e.reasons) out << "                 - " << printable(reason) << "\n";
   if (e.is_ambiguous)

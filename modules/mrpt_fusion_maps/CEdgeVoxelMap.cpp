@@ -110,7 +110,8 @@ uint8_t CEdgeVoxelMap::serializeGetVersion() const { return 0; }
 void CEdgeVoxelMap::serializeTo(mrpt::serialization::CArchive& out) const {
   const EdgeVoxels& edges = Edges::bare(m_edges);
   out << genericMapParams << edges.resolution << edges.direction_radius;
-  writeBlob(out, isEmpty() ? std::string() : compressNodes(probabilityTree(edges)));
+  writeBlob(out,
+            isEmpty() ? std::string() : compressNodes(probabilityTree(edges), Packing::Smallest));
   writeEndMark(out);
 }
 

@@ -41,10 +41,10 @@ CProbOctoMap withoutNodes(const CProbOctoMap& map) {
   return hull;
 }
 
-void writeMap(mrpt::serialization::CArchive& out, const CMetricMap* map) {
+void writeMap(mrpt::serialization::CArchive& out, const CMetricMap* map, Packing packing) {
   if (const auto* octomap = dynamic_cast<const CProbOctoMap*>(map)) {
     out << static_cast<uint8_t>(Content::OcTree) << withoutNodes(*octomap);
-    writeBlob(out, compressNodes(octomap->octree()));
+    writeBlob(out, compressNodes(octomap->octree(), packing));
   } else if (map) {
     out << static_cast<uint8_t>(Content::Other) << *map;
   } else {
@@ -52,7 +52,8 @@ void writeMap(mrpt::serialization::CArchive& out, const CMetricMap* map) {
   }
 }
 
-CMetricMap::Ptr readContent(GuardedArchive& in) {
+/** Reads a map. \param[out] packing The packing of a CProbOctoMap. */
+CMetricMap::Ptr readContent(GuardedArchive& in, Packing& packing) {
   uint8_t content = 0;
   in >> content;
   switch (static_cast<Content>(content)) {
@@ -61,7 +62,7 @@ CMetricMap::Ptr readContent(GuardedArchive& in) {
     case Content::OcTree: {
       auto octomap = std::make_shared<CProbOctoMap>();
       in >> *octomap;
-      readPackedNodes(in, octomap->octree());
+      packing = readPackedNodes(in, octomap->octree());
       return octomap;
     }
     case Content::Other:
@@ -74,25 +75,28 @@ CMetricMap::Ptr readContent(GuardedArchive& in) {
 
 CObservationLocalMap::CObservationLocalMap() { pose.cov.setDiagonal(6, 1e6); }
 
-uint8_t CObservationLocalMap::serializeGetVersion() const { return 0; }
+// Version 0: all octrees are packed by LZMA.
+uint8_t CObservationLocalMap::serializeGetVersion() const { return 1; }
 
 void CObservationLocalMap::serializeTo(mrpt::serialization::CArchive& out) const {
   out << timestamp;
   writeBlob(out, sensorLabel);
   out << sequence << pose;
-  writeMap(out, map.get());
+  writeMap(out, map.get(), smallest ? Packing::Smallest : Packing::Fast);
   writeEndMark(out);
 }
 
 void CObservationLocalMap::serializeFrom(mrpt::serialization::CArchive& in, uint8_t version) {
-  if (version != 0) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
+  if (version > 1) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
   CObservationLocalMap read;  // this object stays as it was if the stream ends early
   GuardedArchive guarded(in);
   guarded >> read.timestamp;
   read.sensorLabel = readBlob(guarded);
   guarded >> read.sequence >> read.pose;
   checkPose(read.pose);
-  read.map = readContent(guarded);
+  Packing packing = Packing::Fast;
+  read.map = readContent(guarded, packing);
+  read.smallest = packing == Packing::Smallest;
   readEndMark(guarded);
   *this = std::move(read);
 }

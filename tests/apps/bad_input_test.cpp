@@ -128,6 +128,35 @@ TEST_F(BadInput, WrongUsageIsExitCode2) {
   }
 }
 
+TEST_F(BadInput, PosesThatAreAlmostRightSayWhatIsMissing) {
+  for (const auto& [pose, said] : std::vector<std::pair<std::string, std::string>>{
+           {"'1 2 3 4 5 6'", "six numbers need [ ]"},
+           {"'[1, 2, 3, 4, 5, 6]'", "blanks separate the numbers, not commas"},
+           {pair("map_b.ot"), "is a map, not a pose"}})
+    expectFailure("match " + both() + " --init " + pose, said);
+}
+
+TEST_F(BadInput, AnUnknownOptionNamesTheNearest) {
+  for (const auto& [given, said] : std::vector<std::pair<std::string, std::string>>{
+           {"match a.ot b.ot --pitcure p.png",
+            "match has no option --pitcure; the nearest is --picture"},
+           {"fuse a.ot b.ot -o c.ot --jsn f", "fuse has no option --jsn; the nearest is --json"},
+           {"info a.ot --frobnicate", "info has no option --frobnicate"},
+           {"match a.ot b.ot \"--pi$(printf '\\033')cture\"", "the nearest is --picture"}}) {
+    const auto r = mapFusion(given);
+    EXPECT_EQ(r.code, 2) << given;
+    EXPECT_NE(r.err.find(said), std::string::npos) << r.err;
+    EXPECT_EQ(r.err.find('\x1b'), std::string::npos);
+  }
+}
+
+TEST_F(BadInput, AFileInPlaceOfACommandSaysThatACommandIsMissing) {
+  writeFile(dir_ / "here.ot", "x");
+  const auto r = mapFusion("here.ot b.ot");
+  EXPECT_EQ(r.code, 2);
+  EXPECT_NE(r.err.find("is a file; a command comes first"), std::string::npos) << r.err;
+}
+
 TEST_F(BadInput, AnUnknownCommandNamesTheNearest) {
   for (const auto& [word, nearest] :
        std::vector<std::pair<std::string, std::string>>{{"matc", "match"},

@@ -7,8 +7,11 @@
 using namespace map_tests;
 using mrpt::fusion::compressNodes;
 using mrpt::fusion::decompressNodes;
+using mrpt::fusion::Packing;
 
 namespace {
+
+constexpr Packing kPackings[] = {Packing::Fast, Packing::Smallest};
 
 octomap::OcTree decompressed(const std::string& bytes, double resolution = 0.1) {
   octomap::OcTree tree(resolution);
@@ -26,8 +29,8 @@ std::unique_ptr<octomap::OcTree> diverseTree() {
   return tree;
 }
 
-/** Returns bytes in the format that compressNodes() packs its data in. */
-std::string packed(const std::string& data) {
+/** Returns the data as earlier versions packed it: as xz. */
+std::string xzPacked(const std::string& data) {
   std::string out(::lzma_stream_buffer_bound(data.size()), '\0');
   size_t size = 0;
   EXPECT_EQ(::lzma_easy_buffer_encode(0, LZMA_CHECK_CRC32, nullptr,
@@ -49,11 +52,13 @@ std::string counts(uint64_t masks, uint64_t leaves, uint64_t exceptions) {
 }  // namespace
 
 TEST(OcTreeCompression, KeepsEveryNodeBitForBit) {
-  for (const double resolution : {0.1, 1 / 3.})
-    for (const auto& tree : {awkwardTree(resolution), sceneTree(resolution, 7)})
-      EXPECT_TRUE(sameTree(*tree, decompressed(compressNodes(*tree), resolution)));
-  for (const auto& tree : {smallTree(), diverseTree()})
-    EXPECT_TRUE(sameTree(*tree, decompressed(compressNodes(*tree))));
+  for (const Packing packing : kPackings) {
+    for (const double resolution : {0.1, 1 / 3.})
+      for (const auto& tree : {awkwardTree(resolution), sceneTree(resolution, 7)})
+        EXPECT_TRUE(sameTree(*tree, decompressed(compressNodes(*tree, packing), resolution)));
+    for (const auto& tree : {smallTree(), diverseTree()})
+      EXPECT_TRUE(sameTree(*tree, decompressed(compressNodes(*tree, packing))));
+  }
 }
 
 TEST(OcTreeCompression, KeepsInnerNodesThatWereNotUpdated) {
@@ -75,22 +80,53 @@ TEST(OcTreeCompression, AnEmptyTreeAndASingleNode) {
 
 TEST(OcTreeCompression, IsFarSmallerThanTheNodes) {
   const auto tree = sceneTree(0.1, 5);
-  EXPECT_LT(compressNodes(*tree).size(), mrpt::fusion::serializeNodes(*tree).size() / 4);
+  for (const Packing packing : kPackings)
+    EXPECT_LT(compressNodes(*tree, packing).size(), mrpt::fusion::serializeNodes(*tree).size() / 4);
+}
+
+TEST(OcTreeCompression, BytesOfVersion0_1AreReadAsBefore) {
+  // compressNodes(*smallTree()) of version 0.1.0.
+  constexpr char kBytes[] =
+      "\xfd\x37\x7a\x58\x5a\x00\x00\x01\x69\x22\xde\x36\x02\xc0\x26\x4c\x21\x01\x00\x00\x90\xb6"
+      "\xa0\xbe\xe0\x00\x4b\x00\x1e\x03\x00\x10\x00\x33\x5b\x04\xf7\x1a\xd8\x8c\x8e\x5c\x87\x68"
+      "\x2f\xf7\x36\x35\x24\x63\xe9\x04\xaa\x21\x48\x68\x6f\x72\x55\x00\x00\x00\x00\x00\xc9\x4b"
+      "\x9c\xd0\x00\x01\x36\x4c\xe5\x29\xf0\xd6\x90\x42\x99\x0d\x01\x00\x00\x00\x00\x01\x59\x5a";
+  const std::string bytes(kBytes, sizeof(kBytes) - 1);
+  EXPECT_TRUE(sameTree(*smallTree(), decompressed(bytes)));
+  EXPECT_EQ(mrpt::fusion::packingOf(bytes), Packing::Smallest);
+}
+
+TEST(OcTreeCompression, TheBytesTellThePacking) {
+  for (const Packing packing : kPackings)
+    EXPECT_EQ(mrpt::fusion::packingOf(compressNodes(*smallTree(), packing)), packing);
+  EXPECT_EQ(compressNodes(*smallTree()), compressNodes(*smallTree(), Packing::Fast));
+}
+
+TEST(OcTreeCompression, BothPackingsHoldTheSameData) {
+  const auto data = [](Packing packing) {
+    return mrpt::fusion::unpacked(compressNodes(*sceneTree(0.1, 6), packing),
+                                  [](std::string_view) { return uint64_t{1} << 30U; });
+  };
+  EXPECT_TRUE(data(Packing::Fast) == data(Packing::Smallest));
 }
 
 TEST(OcTreeCompression, TruncatedOrTrailingBytesAreAnError) {
-  const std::string bytes = compressNodes(*smallTree());
-  for (size_t n = 0; n < bytes.size(); n++)
-    EXPECT_NE(errorOf([&] { decompressed(bytes.substr(0, n)); }), "")
-        << n << " of " << bytes.size();
-  EXPECT_NE(errorOf([&] { decompressed(bytes + "x"); }), "");
+  for (const Packing packing : kPackings) {
+    const std::string bytes = compressNodes(*smallTree(), packing);
+    for (size_t n = 0; n < bytes.size(); n++)
+      EXPECT_NE(errorOf([&] { decompressed(bytes.substr(0, n)); }), "")
+          << n << " of " << bytes.size();
+    EXPECT_NE(errorOf([&] { decompressed(bytes + "x"); }), "");
+    EXPECT_NE(errorOf([&] { decompressed(bytes + bytes); }), "");
+  }
 }
 
 TEST(OcTreeCompression, DamagedBytesAreAnError) {
-  const std::string good = compressNodes(*sceneTree(0.1, 2));
+  const std::string fast = compressNodes(*sceneTree(0.1, 2), Packing::Fast);
+  const std::string smallest = compressNodes(*sceneTree(0.1, 2), Packing::Smallest);
   std::mt19937 rng(5);
-  for (int i = 0; i < 300; i++) {
-    std::string bytes = good;
+  for (int i = 0; i < 600; i++) {
+    std::string bytes = i % 2 ? fast : smallest;
     bytes[rng() % bytes.size()] ^= static_cast<char>(1U << (rng() % 8));
     octomap::OcTree tree(0.1);
     const std::string error = errorOf([&] { decompressNodes(bytes, tree); });
@@ -102,11 +138,13 @@ TEST(OcTreeCompression, DamagedBytesAreAnError) {
 
 TEST(OcTreeCompression, MoreNodesThanAllowedAreAnError) {
   const auto tree = sceneTree(0.1, 2);
-  const std::string bytes = compressNodes(*tree);
-  octomap::OcTree same(0.1), less(0.1);
-  decompressNodes(bytes, same, tree->size());
-  EXPECT_TRUE(sameTree(*tree, same));
-  EXPECT_NE(errorOf([&] { decompressNodes(bytes, less, tree->size() - 1); }), "");
+  for (const Packing packing : kPackings) {
+    const std::string bytes = compressNodes(*tree, packing);
+    octomap::OcTree same(0.1), less(0.1);
+    decompressNodes(bytes, same, tree->size());
+    EXPECT_TRUE(sameTree(*tree, same));
+    EXPECT_NE(errorOf([&] { decompressNodes(bytes, less, tree->size() - 1); }), "");
+  }
 }
 
 TEST(OcTreeCompression, CountsThatTheDataDoesNotHoldTakeNoMemory) {
@@ -115,17 +153,32 @@ TEST(OcTreeCompression, CountsThatTheDataDoesNotHoldTakeNoMemory) {
   const std::string rest(100'000, '\0');
   for (const std::string& data :
        {counts(kClaimed, 1, 0), counts(1, kClaimed, 0), counts(1, 1, kClaimed),
-        counts(100, 100, kClaimed), counts(100, kClaimed, 100)}) {
-    const std::string error = errorOf([&] { decompressed(packed(data + rest)); });
+        counts(100, 100, kClaimed), counts(100, kClaimed, 100)})
+    for (const std::string& bytes :
+         {xzPacked(data + rest), mrpt::fusion::packed(data + rest, Packing::Fast)}) {
+      const std::string error = errorOf([&] { decompressed(bytes); });
+      EXPECT_NE(error, "");
+      EXPECT_EQ(error.find("bad_alloc"), std::string::npos) << error;
+    }
+}
+
+TEST(OcTreeCompression, BytesBeyondTheCountsAreNotUnpacked) {
+  const std::string data = counts(1, 1, 0) + std::string(300'000'000, '\0');
+  for (const std::string& bytes : {xzPacked(data), mrpt::fusion::packed(data, Packing::Fast)}) {
+    const MemoryLimit limit(100);
+    const std::string error = errorOf([&] { decompressed(bytes); });
     EXPECT_NE(error, "");
     EXPECT_EQ(error.find("bad_alloc"), std::string::npos) << error;
   }
 }
 
-TEST(OcTreeCompression, BytesBeyondTheCountsAreNotUnpacked) {
-  const std::string bytes = packed(counts(1, 1, 0) + std::string(300'000'000, '\0'));
+TEST(OcTreeCompression, AWindowOfGigabytesIsAnErrorAndTakesNoMemory) {
+  // A Zstandard frame with a window of 2 GB, and a block of 3 raw bytes.
+  const std::string bytes(
+      "\x28\xB5\x2F\xFD\x00\xA8\x19\x00\x00"
+      "abc",
+      12);
   const MemoryLimit limit(100);
   const std::string error = errorOf([&] { decompressed(bytes); });
-  EXPECT_NE(error, "");
-  EXPECT_EQ(error.find("bad_alloc"), std::string::npos) << error;
+  EXPECT_NE(error.find("damaged"), std::string::npos) << error;
 }

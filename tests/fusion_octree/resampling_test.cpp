@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fusion_octree/resampling.h"
 
+#include <tbb/global_control.h>
+
 #include <Eigen/Geometry>
 #include <limits>
 
+#include "support/reference_resampling.h"
 #include "support/tree_tools.h"
 
 using namespace map_tests;
@@ -376,6 +379,86 @@ TEST_P(TransformOcTreeResolutions, GivesAPrunedTreeOfSourceValues) {
     const auto result = transformOcTree(*source, T, to);
     EXPECT_TRUE(sameTree(finished(*result), *result));
     for (const auto& leaf : leavesOf(*result)) ASSERT_TRUE(values.count(leaf.bits)) << leaf;
+  }
+}
+
+// ---------------------------------------------------------------- the same bits
+
+namespace {
+
+/** Poses that turn, tilt, swap axes, and take centres to the very faces of the source's voxels. */
+std::vector<Isometry3d> posesForBits() {
+  std::vector<Isometry3d> poses = kPoses;
+  poses.push_back(Isometry3d::Identity());
+  poses.push_back(pose(0.05, -0.05, 0.15, 0));
+  poses.push_back(pose(1.3, 0.2, -0.4, M_PI / 2));
+  poses.push_back(pose(-0.3, 0.35, 0, 0.3, 1.4, -2.2));
+  std::mt19937 rng(91);
+  std::uniform_real_distribution<double> angle(-3.1, 3.1), shift(-50, 50);
+  for (int i = 0; i < 4; i++)
+    poses.push_back(pose(shift(rng), shift(rng), shift(rng), angle(rng), angle(rng), angle(rng)));
+  return poses;
+}
+
+/** Known and unknown voxels and leaves of many sizes at random. */
+std::unique_ptr<OcTree> randomTree(double resolution, unsigned seed) {
+  auto tree = std::make_unique<OcTree>(resolution);
+  std::mt19937 rng(seed);
+  std::uniform_int_distribution<int> place(-40, 39), number(0, 3);
+  const float values[] = {-2.F, -0.4F, 0.85F, 3.5F};
+  for (int i = 0; i < 40; i++) {
+    const int size = 1 << number(rng) << number(rng) % 3;  // up to 32 voxels
+    VoxelIndex corner{place(rng), place(rng), place(rng)};
+    const float value = values[number(rng)];
+    const unsigned depth = 16 - static_cast<unsigned>(std::lround(std::log2(size)));
+    for (int& c : corner) c = static_cast<int>(std::floor(static_cast<double>(c) / size)) * size;
+    if (const auto* known = tree->search(keyOf(corner)); known || tree->size() > 20000) continue;
+    putLeaf(*tree, corner, depth, value);
+  }
+  for (int i = 0; i < 2000; i++) {
+    const VoxelIndex voxel{place(rng), place(rng), place(rng) / 4};
+    if (!tree->search(keyOf(voxel))) putVoxel(*tree, voxel, values[number(rng)]);
+  }
+  return tree;
+}
+
+}  // namespace
+
+TEST_P(TransformOcTreeResolutions, HasTheBitsOfItsTwin) {
+  const auto [from, to] = GetParam();
+  unsigned seed = 0;
+  for (const auto& T : posesForBits()) {
+    SCOPED_TRACE(testing::Message() << "pose " << seed);
+    const auto scene = sceneTree(from, seed), random = randomTree(from, seed++);
+    for (const auto* source : {scene.get(), random.get()}) {
+      const auto expected = reference::transformed(*source, T, to);
+      EXPECT_TRUE(sameTree(*expected, *transformOcTree(*source, T, to)));
+    }
+  }
+}
+
+TEST(TransformOcTree, HasTheBitsOfItsTwinForVeryDifferentResolutions) {
+  const auto source = sceneTree(0.1, 8);
+  for (const double to : {0.02, 0.03, 0.39, 0.41, 0.9})
+    for (const auto& T : {kPoses[1], kPoses[2], Isometry3d::Identity()})
+      EXPECT_TRUE(
+          sameTree(*reference::transformed(*source, T, to), *transformOcTree(*source, T, to)))
+          << to;
+}
+
+TEST(TransformOcTree, HasTheBitsOfItsTwinForAwkwardTrees) {
+  const auto source = awkwardTree(0.1);
+  for (const auto& T : {pose(102.4, -204.8, 0, 0), Isometry3d::Identity()})
+    EXPECT_TRUE(
+        sameTree(*reference::transformed(*source, T, 0.1), *transformOcTree(*source, T, 0.1)));
+}
+
+TEST(TransformOcTree, IsTheSameForAnyNumberOfThreads) {
+  const auto source = sceneTree(0.1, 12);
+  const auto expected = reference::transformed(*source, kPoses[2], 0.1);
+  for (const size_t threads : {1, 2, 4}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    EXPECT_TRUE(sameTree(*expected, *transformOcTree(*source, kPoses[2], 0.1)));
   }
 }
 

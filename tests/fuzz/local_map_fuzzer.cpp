@@ -24,6 +24,7 @@ CObservationLocalMap localMap(const mrpt::maps::CMetricMap::Ptr& map) {
   observation.sequence = 3;
   observation.pose.mean = mrpt::poses::CPose3D(1, 2, 0.5, 0.3, 0, 0);
   observation.map = map;
+  observation.smallest = true;  // the compressed part is xz data
   return observation;
 }
 

@@ -104,10 +104,37 @@ TEST(LocalMapObservation, ANewerVersionThrows) {
   std::string bytes = serialized(CObservationLocalMap());
   const std::string name = "CObservationLocalMap";
   const size_t version_at = bytes.find(name) + name.size();
-  ASSERT_EQ(0, bytes[version_at]);
-  bytes[version_at] = 1;
+  ASSERT_EQ(1, bytes[version_at]);
+  bytes[version_at] = 2;
   CObservationLocalMap target;
   EXPECT_NE(errorOf([&] { deserializeInto(bytes, target); }).find("version"), std::string::npos);
+}
+
+TEST(LocalMapObservation, Version0IsReadAsBefore) {
+  auto o = sent("a", 5, sceneMap(3));
+  o->smallest = true;  // the only packing of version 0
+  std::string bytes = serialized(*o);
+  const std::string name = "CObservationLocalMap";
+  bytes[bytes.find(name) + name.size()] = 0;
+  CObservationLocalMap target;
+  deserializeInto(bytes, target);
+  EXPECT_EQ(target.sequence, 5U);
+  EXPECT_TRUE(sameTree(treeOf(target), *sceneTree(0.1, 3)));
+}
+
+TEST(LocalMapObservation, KeepsThePackingWithWhichItCame) {
+  auto o = sent("a", 5, sceneMap(3));
+  const std::string fast = serialized(*o);
+  o->smallest = true;
+  const std::string smallest = serialized(*o);
+  EXPECT_LT(smallest.size(), fast.size());
+  for (const std::string& bytes : {fast, smallest}) {
+    CObservationLocalMap target;
+    deserializeInto(bytes, target);
+    EXPECT_EQ(target.smallest, bytes == smallest);
+    EXPECT_TRUE(serialized(target) == bytes);
+    EXPECT_TRUE(sameTree(treeOf(target), *sceneTree(0.1, 3)));
+  }
 }
 
 TEST(LocalMapObservation, FlippedBitsNeverCrash) {

@@ -12,7 +12,8 @@ namespace map_fusion {
 
 bool runFuse(RunContext& run) {
   if (run.args.maps.size() != 2) return runFuseTeam(run);
-  MapPair pair = loadPair(run);
+  static MapPair pair;  // not freed at the end: main() leaves that to the system
+  pair = loadPair(run);
   const bool accepted = matchPair(run, pair);
   if (accepted || run.args.force)
     mergePair(run, pair);

@@ -78,9 +78,11 @@ bool runFuseTeam(RunContext& run) {
   const std::shared_ptr<const octomap::OcTree> fused = std::move(result.map);
   if (joined > 1)
     saveFused(run, fused, result.sources);
-  else if (is_mergeable)
-    std::cerr << "map-fusion: all matches are rejected, nothing was merged (--force merges)\n";
   else
+    run.report.policy.clear();
+  if (joined <= 1 && is_mergeable)
+    std::cerr << "map-fusion: all matches are rejected, nothing was merged (--force merges)\n";
+  else if (joined <= 1)
     std::cerr << "map-fusion: nothing was merged: only one robot sent more than edges\n";
   savePoses(run, joined > 1);
   drawTeamPage(run, robots, joined > 1 ? fused : nullptr);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fusion_base/bits.h"
 #include "fusion_octree/build.h"
 #include "fusion_octree/resampling.h"
 
@@ -18,37 +19,84 @@ double clampedProbability(double p) { return std::clamp(p, 1e-6, 1 - 1e-6); }
 double probabilityOf(float log_odds) { return octomap::probability(log_odds); }
 float logOddsOf(double p) { return octomap::logodds(clampedProbability(p)); }
 
-/** Traverses two octrees on the same grid together. A pruned leaf counts as all cubes in it. */
+/** As fuseLogOdds(), but the compiler may put it in the place of its calls. */
+inline float fuse(float a, float b, const MergeParams& params, float clamp_min, float clamp_max) {
+  switch (params.policy) {
+    case MergePolicy::RelativeEntropy: {
+      if (a == b) return a;
+      const double p = probabilityOf(a), q = probabilityOf(b);
+      if (relativeEntropy(p, q) > params.kl_threshold) return std::max(a, b);
+      return logOddsOf(weightedMean(p, q));
+    }
+    case MergePolicy::Average:
+      return a == b ? a : logOddsOf(0.5 * (probabilityOf(a) + probabilityOf(b)));
+    case MergePolicy::Stitch:
+      return a;
+    case MergePolicy::Bayes:
+      return std::clamp(a + b, std::min({clamp_min, a, b}), std::max({clamp_max, a, b}));
+  }
+  return a;
+}
+
+/** Traverses map A and map B on A's grid together. A leaf counts as all cubes in it. */
 class MergeVisitor {
  public:
   struct State {
     const OcTreeNode* a;
-    const OcTreeNode* b;
+    CubeRange b;
   };
 
-  MergeVisitor(const OcTree& a, const OcTree& b, const MergeParams& params)
-      : a_(a), b_(b), params_(params) {}
+  MergeVisitor(const OcTree& a, const CubeList& b, const MergeParams& params)
+      : a_(a),
+        b_(b),
+        params_(params),
+        clamp_min_(a.getClampingThresMinLog()),
+        clamp_max_(a.getClampingThresMaxLog()) {}
 
-  State rootState() const { return {a_.getRoot(), b_.getRoot()}; }
+  State rootState() const { return {a_.getRoot(), CubeListVisitor(b_).rootState()}; }
 
-  OcTreeFill visit(const OcTreeCube&, const State& s) const {
-    if (!s.a && !s.b) return OcTreeFill::unknown();
-    if ((s.a && a_.nodeHasChildren(s.a)) || (s.b && b_.nodeHasChildren(s.b)))
-      return OcTreeFill::split();
-    if (!s.b) return OcTreeFill::leaf(s.a->getLogOdds());
-    if (!s.a) return OcTreeFill::leaf(s.b->getLogOdds());
-    return OcTreeFill::leaf(fuseLogOdds(s.a->getLogOdds(), s.b->getLogOdds(), params_,
-                                        a_.getClampingThresMinLog(), a_.getClampingThresMaxLog()));
+  OcTreeFill visit(const OcTreeCube& cube, const State& s) {
+    constexpr unsigned kWholeCopies = 11;  // depth from which on a copy is small work for a thread
+    if (!s.a) return CubeListVisitor::visit(cube, s.b);
+    const bool a_is_leaf = !OcTreeAccess::hasChildren(*s.a);
+    if (s.b.empty())
+      return a_is_leaf || cube.depth >= kWholeCopies ? OcTreeFill::copyOf(*s.a)
+                                                     : OcTreeFill::split();
+    if (a_is_leaf && s.b.isLeafOf(cube))
+      return OcTreeFill::leaf(fused(s.a->getLogOdds(), s.b.begin->log_odds));
+    if (cube.depth < VoxelBlock::kDepth) return OcTreeFill::split();
+    fuseBlock(cube, *s.a, s.b);
+    return OcTreeFill::voxels(block_);
   }
 
-  State descend(const State& s, unsigned i, const OcTreeCube&) const {
-    return {childOrSelf(a_, s.a, i), childOrSelf(b_, s.b, i)};
+  State descend(const State& s, unsigned i, const OcTreeCube& child) const {
+    return {childOrSelf(a_, s.a, i), s.b.in(i, child)};
   }
 
  private:
+  float fused(float a, float b) const { return fuse(a, b, params_, clamp_min_, clamp_max_); }
+
+  void fuseBlock(const OcTreeCube& cube, const OcTreeNode& a, const CubeRange& b) {
+    block_.known = 0;
+    block_.add(a);
+    if (b.isLeafOf(cube)) b_leaf_.fill(b.begin->log_odds);
+    const VoxelBlock& other = b.isLeafOf(cube) ? b_leaf_ : *b.block();
+    for (uint64_t both = block_.known & other.known; both; both &= both - 1) {
+      const auto i = static_cast<size_t>(lowestBit(both));
+      block_.value[i] = fused(block_.value[i], other.value[i]);
+    }
+    for (uint64_t only_b = other.known & ~block_.known; only_b; only_b &= only_b - 1) {
+      const auto i = static_cast<size_t>(lowestBit(only_b));
+      block_.value[i] = other.value[i];
+    }
+    block_.known |= other.known;
+  }
+
   const OcTree& a_;
-  const OcTree& b_;
+  const CubeList& b_;
   const MergeParams& params_;
+  float clamp_min_, clamp_max_;
+  VoxelBlock block_, b_leaf_;
 };
 
 }  // namespace
@@ -71,29 +119,15 @@ double relativeEntropy(double p, double q) {
 double weightedMean(double p, double q) { return p + q > 0 ? (p * p + q * q) / (p + q) : 0; }
 
 float fuseLogOdds(float a, float b, const MergeParams& params, float clamp_min, float clamp_max) {
-  switch (params.policy) {
-    case MergePolicy::RelativeEntropy: {
-      if (a == b) return a;
-      const double p = probabilityOf(a), q = probabilityOf(b);
-      if (relativeEntropy(p, q) > params.kl_threshold) return std::max(a, b);
-      return logOddsOf(weightedMean(p, q));
-    }
-    case MergePolicy::Average:
-      return a == b ? a : logOddsOf(0.5 * (probabilityOf(a) + probabilityOf(b)));
-    case MergePolicy::Stitch:
-      return a;
-    case MergePolicy::Bayes:
-      return std::clamp(a + b, std::min({clamp_min, a, b}), std::max({clamp_max, a, b}));
-  }
-  return a;
+  return fuse(a, b, params, clamp_min, clamp_max);
 }
 
 std::unique_ptr<OcTree> mergeMaps(const OcTree& a, const OcTree& b, const Eigen::Isometry3d& T_a_b,
                                   const MergeParams& params) {
-  const auto b_in_a = transformOcTree(b, T_a_b, a.getResolution());
+  const CubeList b_in_a = resampledCubes(b, T_a_b, a.getResolution());
   auto fused = std::make_unique<OcTree>(a.getResolution());
   OcTreeAccess::setSensorModel(*fused, OcTreeAccess::sensorModel(a));
-  buildOcTreeInParallel(*fused, MergeVisitor(a, *b_in_a, params));
+  buildOcTreeInParallel(*fused, MergeVisitor(a, b_in_a, params));
   return fused;
 }
 

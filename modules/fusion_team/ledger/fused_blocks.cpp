@@ -92,26 +92,57 @@ class CombiningVisitor {
     return s;
   }
 
-  OcTreeFill visit(const OcTreeCube&, const State& s) {
+  OcTreeFill visit(const OcTreeCube& cube, const State& s) {
     if (s.touched == TouchedSpace::Share::Part) return OcTreeFill::split();
-    if (s.touched == TouchedSpace::Share::None) {
-      if (!s.before) return OcTreeFill::unknown();
-      return before_.nodeHasChildren(s.before) ? OcTreeFill::split()
-                                               : OcTreeFill::leaf(s.before->getLogOdds());
-    }
+    if (s.touched == TouchedSpace::Share::None) return copyOf(s.before, cube);
     if (s.size() == 0) return OcTreeFill::unknown();
+    if (s.size() == 1) return copyOf(s[0].node, cube);
     // Maps that fill unknown space come last.
     size_t n = s.size();
     while (n > 1 && !s[n - 1].counts) n--;
-    for (size_t k = 0; k < n; k++)
-      if (s[k].map->nodeHasChildren(s[k].node)) return OcTreeFill::split();
-    values_.clear();
-    for (size_t k = 0; k < n; k++) values_.push_back(s[k].node->getLogOdds());
-    return OcTreeFill::leaf(combineLogOdds(values_.data(), values_.size(), params_,
-                                           model_.clamp_min, model_.clamp_max));
+    bool is_leaf = true;
+    for (size_t k = 0; k < n; k++) is_leaf = is_leaf && !OcTreeAccess::hasChildren(*s[k].node);
+    if (is_leaf) {
+      values_.clear();
+      for (size_t k = 0; k < n; k++) values_.push_back(s[k].node->getLogOdds());
+      return OcTreeFill::leaf(combined());
+    }
+    if (cube.depth < VoxelBlock::kDepth) return OcTreeFill::split();
+    combineBlock(s);
+    return OcTreeFill::voxels(block_);
   }
 
  private:
+  /** Returns the content of a node; null for unknown space. */
+  static OcTreeFill copyOf(const OcTreeNode* node, const OcTreeCube& cube) {
+    constexpr unsigned kWholeCopies = 11;  // depth from which on a copy is small work for a thread
+    if (!node) return OcTreeFill::unknown();
+    return cube.depth >= kWholeCopies || !OcTreeAccess::hasChildren(*node)
+               ? OcTreeFill::copyOf(*node)
+               : OcTreeFill::split();
+  }
+
+  float combined() const {
+    return combineLogOdds(values_.data(), values_.size(), params_, model_.clamp_min,
+                          model_.clamp_max);
+  }
+
+  /** Combines the voxels of a block. */
+  void combineBlock(const State& s) {
+    sources_.resize(std::max(sources_.size(), s.size()));
+    for (size_t k = 0; k < s.size(); k++) {
+      sources_[k].known = 0;
+      sources_[k].add(*s[k].node);
+    }
+    block_.known = 0;
+    for (unsigned i = 0; i < VoxelBlock::kVoxels; i++) {
+      values_.clear();
+      for (size_t k = 0; k < s.size() && (s[k].counts || values_.empty()); k++)
+        if (sources_[k].isKnown(i)) values_.push_back(sources_[k].value[i]);
+      if (!values_.empty()) block_.set(i, combined());
+    }
+  }
+
   /** Returns the share of a cube to compute. A leaf with the value 0 that spans blocks is computed
    * as a whole: pruning takes 0 and -0 for equal, so that the leaf does not tell the bits of its
    * blocks. */
@@ -131,6 +162,8 @@ class CombiningVisitor {
   const TouchedSpace& touched_;
   std::vector<MapNode> stack_;
   std::vector<float> values_;
+  std::vector<VoxelBlock> sources_;
+  VoxelBlock block_;
 };
 
 }  // namespace

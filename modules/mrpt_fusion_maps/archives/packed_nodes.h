@@ -23,9 +23,12 @@ inline void unpackNodes(const std::string& packed, ReadingBudget& budget, octoma
   budget.nodes -= std::max(tree.size(), in_proportion) - in_proportion;
 }
 
-/** Reads the bytes of compressNodes() as a blob and fills an empty octree, see unpackNodes(). */
-inline void readPackedNodes(GuardedArchive& in, octomap::OcTree& tree) {
-  unpackNodes(readBlob(in), in.budget(), tree);
+/** Reads the bytes of compressNodes() as a blob and fills an empty octree, see unpackNodes().
+ * \return How the octree was packed. */
+inline Packing readPackedNodes(GuardedArchive& in, octomap::OcTree& tree) {
+  const std::string bytes = readBlob(in);
+  unpackNodes(bytes, in.budget(), tree);
+  return packingOf(bytes);
 }
 
 }  // namespace mrpt::fusion

@@ -9,7 +9,9 @@
 
 #include "fusion_octree/build.h"
 #include "fusion_octree/files.h"
+#include "support/reference_merging.h"
 #include "support/test_maps.h"
+#include "support/tree_tools.h"
 
 namespace mrpt::fusion::test {
 namespace {
@@ -360,6 +362,35 @@ TEST(MergeMaps, OfTwoPartsIsTheWhole) {
   const auto a = apartment({0, 0, 0}, {59, 69, 25}), b = apartment({30, 0, 0}, {99, 69, 25});
   EXPECT_TRUE(serializeNodes(*mergeMaps(*a, *b, kIdentity, kRelativeEntropy)) ==
               serializeNodes(*apartment()));
+}
+
+TEST(MergeMaps, HaveTheBitsOfTheirTwin) {
+  const double half_pi = 90;
+  const std::vector<Eigen::Isometry3d> poses = {
+      kIdentity,
+      poseOf(0.1, -0.3, 0.2, 0),    // whole voxels
+      poseOf(0.05, 0.02, 0.01, 0),  // parts of voxels
+      poseOf(1.3, 0.2, -0.4, half_pi),
+      poseOf(0.53, -0.71, 0.03, 37, 1.5, -2),
+      poseOf(-2.1, 0.4, 0.3, 12, 65, 140),  // nearly upside down
+      poseOf(300, 0, 0, 5)                  // no overlap
+  };
+  unsigned seed = 0;
+  for (const auto& T : poses)
+    for (const double b_resolution : {0.1, 0.2, 0.06}) {
+      const auto a = map_tests::sceneTree(0.1, seed),
+                 b = map_tests::sceneTree(b_resolution, ++seed);
+      OcTree unpruned(*a);
+      if (seed % 3 == 0) unpruned.expand();
+      for (const auto policy : kPolicies) {
+        SCOPED_TRACE(testing::Message() << seed << " policy " << static_cast<int>(policy));
+        const auto expected = map_tests::reference::merged(unpruned, *b, T, by(policy));
+        const auto fused = mergeMaps(unpruned, *b, T, by(policy));
+        EXPECT_TRUE(serializeNodes(*fused) == serializeNodes(*expected));
+        EXPECT_EQ(fused->size(), expected->size());
+        EXPECT_EQ(fused->size(), fused->calcNumNodes());
+      }
+    }
 }
 
 }  // namespace

@@ -230,6 +230,41 @@ TEST_F(Growing, WithoutAnyThatMeetsStaysTheFirstMap) {
   EXPECT_TRUE(*result.map == *pair().map_a);
 }
 
+TEST_F(Growing, ACopyOfAMapFollowsThatMapAndChangesNoOther) {
+  RobotMap copy_of_b = b(), copy_of_a = a();
+  copy_of_b.robot = "d";
+  copy_of_a.robot = "e";
+  const ManyFused result = fuseMaps({a(), c(), copy_of_b, b(), copy_of_a}, {});
+  for (const FusionMember& member : result.members) EXPECT_TRUE(member.joined) << member.robot;
+  const auto pose = [&](size_t i) { return toEigen(result.members[i].pose.mean).matrix(); };
+  EXPECT_EQ(pose(2), pose(3));
+  EXPECT_TRUE(pose(4).isIdentity(0));
+  for (const size_t k : {0, 1}) EXPECT_EQ(pose(k), toEigen(fused().members[k].pose.mean).matrix());
+  EXPECT_TRUE(*result.map == *fused().map) << "copies count once";
+
+  const ManyFused two = fuseMaps({a(), b(), copy_of_a}, {});
+  EXPECT_TRUE(two.members[1].joined);
+  EXPECT_TRUE(two.members[2].joined);
+  EXPECT_TRUE(toEigen(two.members[2].pose.mean).matrix().isIdentity(0));
+}
+
+TEST_F(Growing, ForcedMapsOfATeamJoinAtTheirBestMatch) {
+  const auto room = mrpt::fusion::transformOcTree(*apartment({0, 0, 0}, {20, 20, 25}),
+                                                  poseOf(0, 0, 0, 90, 0, 0), kVoxel);
+  const RobotMap part{"d", PreparedMap(*room)};
+  Options strict;
+  strict.evaluation.min_probability = 1;  // nothing is sure, and three maps close no loop
+  const ManyFused rejected = fuseMaps({a(), c(), part}, strict);
+  EXPECT_FALSE(rejected.members[2].joined);
+  const ManyFused forced = fuseMaps({a(), c(), part}, strict, true);
+  for (const size_t k : {1, 2}) {
+    EXPECT_TRUE(forced.members[k].joined) << k;
+    EXPECT_FALSE(forced.members[k].alignment.evaluation.accepted) << "forced, not accepted";
+    EXPECT_EQ(toEigen(forced.members[k].pose.mean).matrix(),
+              toEigen(rejected.members[k].pose.mean).matrix());
+  }
+}
+
 TEST_F(Growing, EdgesAloneAreMatchedLastAndDoNotJoin) {
   const RobotMap edges{"e", PreparedMap(pair().b.edges)};
   std::vector<std::string> matched;
