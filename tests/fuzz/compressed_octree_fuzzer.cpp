@@ -16,18 +16,21 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::string bytes = raw ? std::string(input.rest()) : fuzz::xzCompressed(input.rest());
   octomap::OcTree tree(0.1);
   if (!fuzz::accepts([&] { decompressNodes(bytes, tree); })) return 0;
-  octomap::OcTree again(0.1);
-  decompressNodes(compressNodes(tree), again);
-  fuzz::require(serializeNodes(tree) == serializeNodes(again),
-                "a map is the same after it was compressed and decompressed");
+  for (const Packing packing : {Packing::Fast, Packing::Smallest}) {
+    octomap::OcTree again(0.1);
+    decompressNodes(compressNodes(tree, packing), again);
+    fuzz::require(serializeNodes(tree) == serializeNodes(again),
+                  "a map is the same after it was compressed and decompressed");
+  }
   return 0;
 }
 
 std::vector<std::string> fuzzSeeds() {
   std::vector<std::string> seeds;
   for (const auto& tree : fuzz::smallTrees()) {
-    const std::string compressed = compressNodes(*tree);
+    const std::string compressed = compressNodes(*tree, Packing::Smallest);
     seeds.push_back('\0' + compressed);
+    seeds.push_back('\0' + compressNodes(*tree, Packing::Fast));
     seeds.push_back('\1' + fuzz::xzDecompressed(compressed));
   }
   return seeds;

@@ -24,7 +24,7 @@ std::unique_ptr<octomap::OcTree> treeFrom(Input& input);
 /** An input that treeFrom() makes a furnished room of. */
 void describeRoom(Output& output, double resolution);
 
-/** The bytes in the format of xz, as compressNodes() writes it, but fast: what is inside can be
+/** The bytes in the format of xz, as compressNodes() can write it, but fast: what is inside can be
  * fuzzed in spite of the checksum. */
 std::string xzCompressed(std::string_view bytes);
 

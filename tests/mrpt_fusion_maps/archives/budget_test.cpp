@@ -16,6 +16,7 @@
 using namespace map_tests;
 using mrpt::fusion::compressNodes;
 using mrpt::fusion::EdgeVoxels;
+using mrpt::fusion::Packing;
 using mrpt::fusion::ReadingBudget;
 using mrpt::fusion::unpackNodes;
 using mrpt::maps::CEdgeVoxelMap;
@@ -46,8 +47,8 @@ EdgeVoxels fewEdges() {
 /** Returns a serialized CEdgeVoxelMap with other edge voxels and another radius of eq. (6). */
 std::string edgeMapOf(const octomap::OcTree& probabilities, double radius) {
   const EdgeVoxels few = fewEdges();
-  const std::string old = compressNodes(mrpt::fusion::probabilityTree(few));
-  const std::string packed = compressNodes(probabilities);
+  const std::string old = compressNodes(mrpt::fusion::probabilityTree(few), Packing::Smallest);
+  const std::string packed = compressNodes(probabilities, Packing::Smallest);
   const std::string bytes =
       replaced(serialized(CEdgeVoxelMap(few)), bytesOfValue(uint64_t{old.size()}) + old,
                bytesOfValue(uint64_t{packed.size()}) + packed);
