@@ -280,23 +280,31 @@ void checkCommand(const CLI::App& app, int argc, char** argv) {
 }
 
 /** \exception CLI::ValidationError If an option does not exist. It names the nearest option. */
-void checkOptions(const CLI::App& app) {
+void checkOptions(const CLI::App& app, int argc, char** argv) {
   constexpr size_t kMostChanges = 3;
-  for (const auto* command : app.get_subcommands())
-    for (const std::string& word : command->remaining()) {
-      if (word.substr(0, 2) != "--") continue;
-      std::string nearest;
-      size_t least = kMostChanges + 1;
-      for (const auto* option : command->get_options())
-        for (const std::string& name : option->get_lnames()) {
-          const size_t distance = editDistance(word.substr(0, 40), "--" + name);
-          if (distance < least) nearest = "--" + name;
-          least = std::min(least, distance);
-        }
-      throw CLI::ValidationError(command->get_name() + " has no option " +
-                                 mrpt::fusion::printable(word) +
-                                 (nearest.empty() ? "" : "; the nearest is " + nearest));
-    }
+  constexpr size_t kMostLetters = 40;
+  const auto commands = app.get_subcommands({});
+  const auto found = std::find_if(commands.begin(), commands.end(), [&](const CLI::App* c) {
+    return argc > 1 && c->get_name() == argv[1];
+  });
+  if (found == commands.end()) return;
+  const CLI::App* command = *found;
+  for (int i = 2; i < argc; i++) {
+    const std::string word = argv[i], name = word.substr(0, word.find('='));
+    if (word == "--") return;
+    if (word.substr(0, 2) != "--" || command->get_option_no_throw(name)) continue;
+    std::string nearest;
+    size_t least = kMostChanges + 1;
+    for (const auto* option : command->get_options())
+      for (const std::string& known : option->get_lnames()) {
+        const size_t distance = editDistance(name.substr(0, kMostLetters), "--" + known);
+        if (distance < least) nearest = "--" + known;
+        least = std::min(least, distance);
+      }
+    throw CLI::ValidationError(command->get_name() + " has no option " +
+                               mrpt::fusion::printable(name, kMostLetters) +
+                               (nearest.empty() ? "" : "; the nearest is " + nearest));
+  }
 }
 
 /** \exception CLI::ValidationError If two outputs are the same file. */
@@ -333,12 +341,8 @@ std::optional<ExitCode> parseArguments(int argc, char** argv, Arguments& args) {
   addMapCommands(line, args);
   try {
     checkCommand(app, argc, argv);
-    try {
-      app.parse(argc, argv);
-    } catch (const CLI::ExtrasError&) {
-      checkOptions(app);
-      throw;
-    }
+    checkOptions(app, argc, argv);
+    app.parse(argc, argv);
     checkOutputs(args);
     if (args.maps.size() != 2 && !(args.init + args.pose_out + args.picture + args.scene).empty())
       throw CLI::ValidationError(

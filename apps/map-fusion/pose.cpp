@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "fusion_base/error_text.h"
+#include "fusion_base/file_kind.h"
 #include "fusion_base/files.h"
 #include "fusion_octree/files.h"
 
@@ -89,9 +90,9 @@ mrpt::poses::CPose3D parsePose(const std::string& text) {
     throw std::runtime_error("pose '" + text + "': six numbers need [ ] and quotes: " +
                              "\"[x y z yaw pitch roll]\" (m, deg)");
   return mrpt::fusion::withPath(text, [&] {
-    const std::string bytes = mrpt::fusion::readFileBytes(text, kMostPoseBytes);
-    if (mrpt::fusion::isOcTreeFile(bytes)) throw std::runtime_error("is a map, not a pose");
-    return parseMatrix(bytes);
+    if (mrpt::fusion::isOcTreeFile(mrpt::fusion::beginningOf(text)))
+      throw std::runtime_error("is a map, not a pose");
+    return parseMatrix(mrpt::fusion::readFileBytes(text, kMostPoseBytes));
   });
 }
 

@@ -72,7 +72,8 @@ TEST_F(PagesOfTheApp, ShowARejectedMatch) {
 }
 
 TEST_F(PagesOfTheApp, ShowATeam) {
-  fs::copy(pair("map_a.ot"), dir_ / "again.ot");
+  ASSERT_EQ(
+      mapFusion("transform " + pair("map_a.ot") + " --pose '[1 2 0 10 0 0]' -o again.ot").code, 0);
   const auto r =
       mapFusion("fuse " + both() + " again.ot -o fused.ot --report page.html --json r.json -q");
   ASSERT_TRUE(r.code == 0 || r.code == 3) << r.err;

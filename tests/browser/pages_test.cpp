@@ -94,6 +94,7 @@ TEST_F(Page, ShowsTheMapsAndTheNumbersOfTheJson) {
   ASSERT_EQ(r.code, 0) << r.err;
   EXPECT_LT(fs::file_size(dir_ / "page.html"), 3'000'000U);
   open("page.html");
+  browser().evaluate(kPicture);  // waits for all details
   EXPECT_GT(browser().evaluate(kColours), 40);
   const Json report = Json::parse(readFile(dir_ / "report.json"));
   EXPECT_EQ(
@@ -187,6 +188,7 @@ TEST_F(Page, ShowsAMap) {
                 .code,
             0);
   open("map.html");
+  browser().evaluate(kPicture);  // waits for all details
   EXPECT_GT(browser().evaluate(kColours), 40);
 }
 

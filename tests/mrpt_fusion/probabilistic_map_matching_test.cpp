@@ -48,7 +48,7 @@ struct Size {
   size_t value;
 };
 
-/** All numeric parameters, and a value for each. */
+/** Numeric parameters of all stages, and a value for each. */
 std::vector<Number> numbersOf(Options& o) {
   auto& e = o.features.edges;
   auto& r = o.registration;

@@ -116,7 +116,7 @@ class Growth {
     same.evaluation.is_ambiguous = false;
     same.evaluation.reasons = {"has the same voxels as the map of " + twin.robot};
     keep(std::move(same), copy, of);
-    if (of == joined_.front() || !twin.hasMatch()) member.pose = member.alignment.pose();
+    member.pose = twin.pose;
     if (twin.joined) join(copy);
   }
 

@@ -139,7 +139,7 @@ TEST(TeamScore, ContradictedObstaclesCountOverTheirTolerance) {
   Configuration c;
   c.pose = {at(0, 0), std::nullopt, at(3, 1), std::nullopt};  // see wrong in Square::near()
   const TeamAreas areas = areasOf(0, c, square);
-  EXPECT_EQ(areas.confirmed, 32);
+  EXPECT_EQ(areas.confirmed, 64) << "of map 0, and of map 2 by map 0";
   EXPECT_EQ(areas.displaced, 0);
   EXPECT_EQ(areas.contradicted, 16);
   EXPECT_NEAR(scoreOf(c, square), 64 - 16 / 0.01, 1e-9);

@@ -66,13 +66,14 @@ TEST(PairEvidence, MapsThatDoNotMeetSayNothing) {
 
 /** The tolerance of a team of two rooms that are matched at the right pose. */
 ConflictTolerance adapted(const PreparedMap& a, const PreparedMap& b, bool accepted,
-                          double runner_up) {
+                          double runner_up, double support = 1) {
   const std::vector<RobotMap> maps{{"a", a}, {"b", b}};
   PairMemory memory;
   EvidenceOfMaps evidence(maps, Options(), memory);
   PairMatch match{0, 1, {}};
   match.alignment.evaluation.accepted = accepted;
   match.alignment.evaluation.runner_up = runner_up;
+  match.alignment.evaluation.rival_weight = runner_up * support;
   evidence.adaptTolerance({match});
   return evidence.tolerance();
 }
@@ -85,6 +86,8 @@ TEST(ConflictTolerance, GrowsWithWhatMovedBetweenTheMapsOfAClearMatch) {
       << "a match that is not accepted may be wrong";
   EXPECT_EQ(adapted(room(0), room(1.6), true, 0.8).contradicted, still.contradicted)
       << "a match with a strong rival may be wrong";
+  EXPECT_EQ(adapted(room(0), room(1.6), true, 0.8, 0.1).contradicted, moved.contradicted)
+      << "a rival that confirms next to nothing is not strong";
 }
 
 }  // namespace
