@@ -90,7 +90,9 @@ mrpt::poses::CPose3D parsePose(const std::string& text) {
     throw std::runtime_error("pose '" + text + "': six numbers need [ ] and quotes: " +
                              "\"[x y z yaw pitch roll]\" (m, deg)");
   return mrpt::fusion::withPath(text, [&] {
-    if (mrpt::fusion::isOcTreeFile(mrpt::fusion::beginningOf(text)))
+    // A pipe can be read only once.
+    if (std::filesystem::is_regular_file(text, none) &&
+        mrpt::fusion::isOcTreeFile(mrpt::fusion::beginningOf(text)))
       throw std::runtime_error("is a map, not a pose");
     return parseMatrix(mrpt::fusion::readFileBytes(text, kMostPoseBytes));
   });

@@ -14,9 +14,6 @@
 
 namespace mrpt::fusion {
 
-/** Largest gain of another place of a map in a team, see JointVerdictParams::max_runner_up. */
-constexpr double kMaxTeamRunnerUp = 0.8;
-
 /** Nodes and links to draw above the maps. */
 struct TeamPicture {
   /** A map. */

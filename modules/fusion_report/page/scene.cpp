@@ -17,6 +17,7 @@
 #include "fusion_report/page/cubes.h"
 #include "fusion_report/page/graph.h"
 #include "fusion_report/page/page.h"
+#include "fusion_team/graph/joint_verdict.h"
 
 namespace mrpt::fusion {
 namespace {
@@ -182,7 +183,7 @@ std::string toSceneJson(const Report& report, const PageScene& scene) {
                 {{"min_overlap", limits.min_overlap},
                  {"max_free_conflict", limits.max_free_conflict},
                  {"max_runner_up", limits.max_runner_up},
-                 {"max_team_runner_up", kMaxTeamRunnerUp},
+                 {"max_team_runner_up", JointVerdictParams().max_runner_up},
                  {"min_probability", limits.min_probability}}},
                {"maps", Json::array()}};
   for (size_t i = 0; i < scene.maps.size(); i++) json["maps"].push_back(mapJson(scene, i));
