@@ -9,6 +9,7 @@
 #include <cmath>
 #include <filesystem>
 #include <numeric>
+#include <utility>
 
 #include "fusion_base/printable.h"
 #include "fusion_octree/resolution.h"
@@ -257,19 +258,27 @@ size_t editDistance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
+constexpr size_t kMostLetters = 40;  // letters of an unknown word that are compared and printed
+
+/** Returns the known word that is nearest to a word, and their editDistance(). */
+std::pair<std::string, size_t> nearestTo(const std::string& word,
+                                         const std::vector<std::string>& known) {
+  std::pair<std::string, size_t> nearest{{}, std::string::npos};
+  for (const std::string& other : known) {
+    const size_t distance = editDistance(word.substr(0, kMostLetters), other);
+    if (distance < nearest.second) nearest = {other, distance};
+  }
+  return nearest;
+}
+
 /** \exception CLI::ValidationError If the first word of the arguments is not a command. It names
  * the nearest command. */
 void checkCommand(const CLI::App& app, int argc, char** argv) {
-  constexpr size_t kMostLetters = 40;
   const std::string word = argc > 1 ? argv[1] : "-";
   if (word[0] == '-') return;
-  std::string nearest;
-  size_t least = std::string::npos;
-  for (const auto* command : app.get_subcommands({})) {
-    const size_t distance = editDistance(word.substr(0, kMostLetters), command->get_name());
-    if (distance < least) nearest = command->get_name();
-    least = std::min(least, distance);
-  }
+  std::vector<std::string> commands;
+  for (const auto* command : app.get_subcommands({})) commands.push_back(command->get_name());
+  const std::string nearest = nearestTo(word, commands).first;
   if (nearest == word) return;
   std::error_code none;
   if (std::filesystem::exists(word, none))
@@ -282,28 +291,23 @@ void checkCommand(const CLI::App& app, int argc, char** argv) {
 /** \exception CLI::ValidationError If an option does not exist. It names the nearest option. */
 void checkOptions(const CLI::App& app, int argc, char** argv) {
   constexpr size_t kMostChanges = 3;
-  constexpr size_t kMostLetters = 40;
   const auto commands = app.get_subcommands({});
   const auto found = std::find_if(commands.begin(), commands.end(), [&](const CLI::App* c) {
     return argc > 1 && c->get_name() == argv[1];
   });
   if (found == commands.end()) return;
   const CLI::App* command = *found;
+  std::vector<std::string> options;
+  for (const auto* option : command->get_options())
+    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
   for (int i = 2; i < argc; i++) {
     const std::string word = argv[i], name = word.substr(0, word.find('='));
     if (word == "--") return;
     if (word.substr(0, 2) != "--" || command->get_option_no_throw(name)) continue;
-    std::string nearest;
-    size_t least = kMostChanges + 1;
-    for (const auto* option : command->get_options())
-      for (const std::string& known : option->get_lnames()) {
-        const size_t distance = editDistance(name.substr(0, kMostLetters), "--" + known);
-        if (distance < least) nearest = "--" + known;
-        least = std::min(least, distance);
-      }
+    const auto [nearest, changes] = nearestTo(name, options);
     throw CLI::ValidationError(command->get_name() + " has no option " +
                                mrpt::fusion::printable(name, kMostLetters) +
-                               (nearest.empty() ? "" : "; the nearest is " + nearest));
+                               (changes > kMostChanges ? "" : "; the nearest is " + nearest));
   }
 }
 

@@ -25,7 +25,7 @@ namespace map_fusion {
 namespace {
 
 /** Loads a map of octomap. Without octree if the file is of another kind. */
-LoadedMap loadOctomapFile(RunContext& run, const std::string& path) {
+LoadedMap loadOctomapFile(const RunContext& run, const std::string& path) {
   using mrpt::fusion::readFileBytes;
   const InputKind kind = inputKindOf(run, path);
   LoadedMap map;
@@ -56,10 +56,9 @@ void report(RunContext& run, const std::string& path, LoadedMap& map,
 std::optional<ReadOctree> readAhead(const RunContext& run, const std::string& role,
                                     const std::string& path) {
   try {
-    if (!fs::is_regular_file(path) || inputKindOf(run, path) != InputKind::OcTree) return {};
-    ReadOctree read;
-    read.map.octree =
-        mrpt::fusion::parseOcTreeFile(mrpt::fusion::readFileBytes(path), &read.map.notes);
+    if (!fs::is_regular_file(path)) return {};
+    ReadOctree read{loadOctomapFile(run, path), {}};
+    if (!read.map.octree) return {};
     read.report = mrpt::fusion::reportOn(role, path, *read.map.octree);
     return read;
   } catch (const std::exception&) {

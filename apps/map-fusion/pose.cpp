@@ -31,21 +31,12 @@ std::vector<double> parseNumbers(const std::string& text, size_t count, const st
   std::vector<double> numbers;
   std::string word;
   while (in >> word) {
-    size_t used = 0;
-    double value = 0;
-    try {
-      value = std::stod(word, &used);
-    } catch (const std::exception&) {
-      used = 0;
-    }
     const auto is_text = [](char c) { return c > ' ' && c <= '~'; };
     if (!std::all_of(word.begin(), word.end(), is_text))  // never the bytes of, say, a picture
       throw std::runtime_error(what + ": there are characters that belong to no number");
     if (word.back() == ',' && word.size() > 1)
       throw std::runtime_error(what + ": blanks separate the numbers, not commas");
-    if (used != word.size() || !std::isfinite(value))
-      throw std::runtime_error(what + ": '" + word.substr(0, 20) + "' is not a finite number");
-    numbers.push_back(value);
+    numbers.push_back(mrpt::fusion::withPath(what, [&] { return parseNumber(word); }));
   }
   if (numbers.size() != count)
     throw std::runtime_error(what + ": expected " + std::to_string(count) + " numbers");
@@ -71,6 +62,19 @@ mrpt::poses::CPose3D parseMatrix(const std::string& text) {
 }
 
 }  // namespace
+
+double parseNumber(const std::string& word) {
+  size_t used = 0;
+  double value = 0;
+  try {
+    value = std::stod(word, &used);
+  } catch (const std::exception&) {
+    used = 0;
+  }
+  if (used != word.size() || !std::isfinite(value))
+    throw std::runtime_error("'" + word.substr(0, 20) + "' is not a finite number");
+  return value;
+}
 
 mrpt::poses::CPose3D parsePose(const std::string& text) {
   const size_t first = text.find_first_not_of(" \t");

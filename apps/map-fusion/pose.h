@@ -15,6 +15,9 @@ namespace map_fusion {
  * rigid transform to within 1e-3. Text files are rounded, so the tolerance is wide. */
 mrpt::poses::CPose3D parsePose(const std::string& text);
 
+/** Parses a word. \exception std::runtime_error If it is not a finite number. */
+double parseNumber(const std::string& word);
+
 /** Returns the text of a 4x4 row-major matrix file, see parsePose(). */
 std::string toMatrixText(const mrpt::poses::CPose3D& pose);
 

@@ -14,6 +14,7 @@
 #include "fusion_base/error_text.h"
 #include "fusion_base/files.h"
 #include "fusion_core/registration/perturbations.h"
+#include "pose.h"
 
 using mrpt::fusion::Matrix6d;
 using mrpt::fusion::Prior;
@@ -36,19 +37,6 @@ std::vector<std::string> wordsOf(const std::string& line) {
   return words;
 }
 
-double numberOf(const std::string& word) {
-  size_t used = 0;
-  double value = 0;
-  try {
-    value = std::stod(word, &used);
-  } catch (const std::exception&) {
-    used = 0;
-  }
-  if (used != word.size() || !std::isfinite(value))
-    throw std::runtime_error("'" + word.substr(0, 20) + "' is not a finite number");
-  return value;
-}
-
 size_t idOf(const std::string& word, size_t maps) {
   const bool is_number =
       !word.empty() && word.size() <= 9 &&
@@ -69,7 +57,7 @@ void requireWords(const std::vector<std::string>& words, size_t ids, size_t numb
 /** Parses "x y z qx qy qz qw". */
 Eigen::Isometry3d poseOf(const std::vector<std::string>& words, size_t first) {
   double v[kPoseNumbers];
-  for (size_t i = 0; i < kPoseNumbers; i++) v[i] = numberOf(words[first + i]);
+  for (size_t i = 0; i < kPoseNumbers; i++) v[i] = parseNumber(words[first + i]);
   const Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
   constexpr double kTolerance = 0.01;  // texts are rounded
   if (!(std::abs(q.norm() - 1) < kTolerance))
@@ -86,7 +74,7 @@ Matrix6d covarianceOf(const std::vector<std::string>& words, size_t first) {
   size_t next = first;
   for (int row = 0; row < 6; row++)
     for (int col = row; col < 6; col++)
-      information(row, col) = information(col, row) = numberOf(words[next++]);
+      information(row, col) = information(col, row) = parseNumber(words[next++]);
   const Eigen::LLT<Matrix6d> cholesky(information);
   const Matrix6d covariance = cholesky.solve(Matrix6d::Identity());
   if (cholesky.info() != Eigen::Success || !covariance.allFinite() ||

@@ -34,13 +34,20 @@ struct OcTreeFill {
   const octomap::OcTreeNode* node = nullptr;  ///< Node to copy
   const VoxelBlock* block = nullptr;          ///< The block. It must stay until the next visit
 
-  static OcTreeFill unknown() { return {}; }  ///< Makes Kind::Unknown
+  /** Makes Kind::Unknown. */
+  static OcTreeFill unknown() { return {}; }
+  /** Makes Kind::Leaf. */
   static OcTreeFill leaf(float log_odds) { return {Kind::Leaf, log_odds, nullptr, nullptr}; }
-  ///< Makes Kind::Leaf
-  static OcTreeFill split() { return {Kind::Split, 0, nullptr, nullptr}; }  ///< Makes Kind::Split
+  /** Makes Kind::Split. */
+  static OcTreeFill split() { return {Kind::Split, 0, nullptr, nullptr}; }
   /** Makes Kind::Copy. The node must be of the depth of the cube, or a leaf. */
   static OcTreeFill copyOf(const octomap::OcTreeNode& node) {
     return {Kind::Copy, 0, &node, nullptr};
+  }
+  /** Makes Kind::Copy, or Kind::Split if the copy is too much work for one thread. */
+  static OcTreeFill copyInParts(const octomap::OcTreeNode& node, const OcTreeCube& cube) {
+    constexpr unsigned kWholeCopies = 11;  // depth from which on a copy is small work for a thread
+    return cube.depth >= kWholeCopies || !OcTreeAccess::hasChildren(node) ? copyOf(node) : split();
   }
   /** Makes Kind::Block. */
   static OcTreeFill voxels(const VoxelBlock& block) { return {Kind::Block, 0, nullptr, &block}; }

@@ -27,6 +27,14 @@ OcTreeNode* newLeaf(float log_odds) {
 
 }  // namespace
 
+Subtree Subtree::withoutChildren() {
+  Subtree inner;
+  inner.node_ = new OcTreeNode();
+  inner.kind_ = Kind::Inner;
+  inner.nodes_ = 1;
+  return inner;
+}
+
 Subtree Subtree::joined(Children& children) {
   unsigned known = 0;
   bool equal = true;
@@ -37,10 +45,7 @@ Subtree Subtree::joined(Children& children) {
   }
   if (known == 0) return {};
   if (equal) return Subtree(children[0].value_);
-  Subtree joined;
-  joined.node_ = new OcTreeNode();
-  joined.kind_ = Kind::Inner;
-  joined.nodes_ = 1;
+  Subtree joined = withoutChildren();
   const Slots slots = addSlots(*joined.node_);
   float highest = -std::numeric_limits<float>::max();
   for (unsigned i = 0; i < 8; i++) {
@@ -63,10 +68,7 @@ Subtree Subtree::ofVoxels(const float* value, unsigned known) {
     for (unsigned i = 1; i < 8; i++) equal &= value[i] == value[0];
     if (equal) return Subtree(value[0]);
   }
-  Subtree joined;
-  joined.node_ = new OcTreeNode();
-  joined.kind_ = Kind::Inner;
-  joined.nodes_ = 1;
+  Subtree joined = withoutChildren();
   const Slots slots = addSlots(*joined.node_);
   float highest = -std::numeric_limits<float>::max();
   for (unsigned left = known; left; left &= left - 1) {

@@ -56,6 +56,8 @@ class Subtree {
  private:
   enum class Kind { Unknown, Leaf, Inner };
 
+  /** Makes a node that is to get children. */
+  static Subtree withoutChildren();
   static Subtree ofVoxels(const float* value, unsigned known);
   static void destroy(octomap::OcTreeNode* node);
 

@@ -34,25 +34,9 @@ CObservationVelodyneScan::Ptr velodyneOf(const std::vector<mrpt::math::TPoint3Df
   return obs;
 }
 
-CObservation3DRangeScan::Ptr depthImage() {
-  auto obs = CObservation3DRangeScan::Create();
-  obs->sensorPose = kSensorPose;
-  obs->hasRangeImage = true;
-  obs->range_is_depth = true;
-  obs->rangeUnits = 0.001F;
-  obs->rangeImage_setSize(24, 32);
-  obs->cameraParams.ncols = 32;
-  obs->cameraParams.nrows = 24;
-  obs->cameraParams.setIntrinsicParamsFromValues(30, 30, 15.5, 11.5);
-  for (int r = 0; r < 24; r++)
-    for (int c = 0; c < 32; c++)
-      obs->rangeImage(r, c) = static_cast<uint16_t>(1500 + 20 * c + 13 * r);
-  return obs;
-}
-
 /** Returns an observation of each kind that the map takes. */
 std::vector<CObservation::Ptr> observations() {
-  return {scan2d(kSensorPose), scan3dOf(domePoints(1, 3000), kSensorPose), depthImage(),
+  return {scan2d(kSensorPose), scan3dOf(domePoints(1, 3000), kSensorPose), depthImage(kSensorPose),
           cloudOf(domePoints(2, 3000), kSensorPose), velodyneOf(domePoints(3, 3000))};
 }
 

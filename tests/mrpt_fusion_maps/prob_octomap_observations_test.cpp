@@ -49,25 +49,16 @@ CObservationVelodyneScan::Ptr velodyneScan() {
   return nullptr;
 }
 
-/** Returns the depth image of a slanted surface with a hole. */
-CObservation3DRangeScan::Ptr depthImage(const CPose3D& sensor) {
-  auto obs = CObservation3DRangeScan::Create();
-  obs->sensorPose = sensor;
-  obs->hasRangeImage = true;
-  obs->range_is_depth = true;
-  obs->rangeUnits = 0.001F;
-  obs->rangeImage_setSize(24, 32);
-  obs->cameraParams.ncols = 32;
-  obs->cameraParams.nrows = 24;
-  obs->cameraParams.setIntrinsicParamsFromValues(30, 30, 15.5, 11.5);
-  for (int r = 0; r < 24; r++)
-    for (int c = 0; c < 32; c++)
-      obs->rangeImage(r, c) =
-          (r > 8 && r < 12 && c < 6) ? 0 : static_cast<uint16_t>(1500 + 20 * c + 13 * r);
+/** Returns depthImage() with a hole. */
+CObservation3DRangeScan::Ptr depthImageWithHole(const CPose3D& sensor) {
+  auto obs = depthImage(sensor);
+  for (int r = 9; r < 12; r++)
+    for (int c = 0; c < 6; c++) obs->rangeImage(r, c) = 0;
   return obs;
 }
 
-/** Returns the points of the pixels of depthImage() in the sensor's frame, by the pinhole model. */
+/** Returns the points of the pixels of depthImageWithHole() in the sensor's frame, by the pinhole
+ * model. */
 std::vector<mrpt::math::TPoint3Df> pinholePoints(const CObservation3DRangeScan& obs) {
   std::vector<mrpt::math::TPoint3Df> points;
   for (int r = 0; r < obs.rangeImage.rows(); r++)
@@ -243,12 +234,12 @@ TEST_P(SensorPose, MovesVelodyneScans) {
 }
 
 TEST_P(SensorPose, MovesTheImageOfADepthCamera) {
-  const auto image = depthImage(kSensorPose);
-  expectMoved(*image, *depthImage(CPose3D()));
+  const auto image = depthImageWithHole(kSensorPose);
+  expectMoved(*image, *depthImageWithHole(CPose3D()));
 }
 
 TEST(ProbOctoMapObservations, ADepthImageAloneIsProjectedByThePinholeModel) {
-  const auto image = depthImage(kSensorPose);
+  const auto image = depthImageWithHole(kSensorPose);
   CProbOctoMap map(0.02);
   ASSERT_TRUE(map.insertObservation(*image, kRobotPoses[1]));
   EXPECT_FALSE(image->hasPoints3D);  // the observation is not changed

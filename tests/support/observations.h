@@ -30,6 +30,23 @@ inline std::vector<mrpt::math::TPoint3Df> domePoints(unsigned seed, size_t count
   return points;
 }
 
+/** Returns the depth image of a slanted surface. */
+inline mrpt::obs::CObservation3DRangeScan::Ptr depthImage(const mrpt::poses::CPose3D& sensor) {
+  auto obs = mrpt::obs::CObservation3DRangeScan::Create();
+  obs->sensorPose = sensor;
+  obs->hasRangeImage = true;
+  obs->range_is_depth = true;
+  obs->rangeUnits = 0.001F;
+  obs->rangeImage_setSize(24, 32);
+  obs->cameraParams.ncols = 32;
+  obs->cameraParams.nrows = 24;
+  obs->cameraParams.setIntrinsicParamsFromValues(30, 30, 15.5, 11.5);
+  for (int r = 0; r < 24; r++)
+    for (int c = 0; c < 32; c++)
+      obs->rangeImage(r, c) = static_cast<uint16_t>(1500 + 20 * c + 13 * r);
+  return obs;
+}
+
 inline mrpt::obs::CObservationPointCloud::Ptr cloudOf(
     const std::vector<mrpt::math::TPoint3Df>& points, const mrpt::poses::CPose3D& sensor = {}) {
   auto obs = mrpt::obs::CObservationPointCloud::Create();

@@ -76,14 +76,15 @@ bool runFuseTeam(RunContext& run) {
   for (const FusionMember& m : members)
     if (m.joined && joined > 1) noteCounting(run, m.robot, m.counting, m.counted_with);
   const std::shared_ptr<const octomap::OcTree> fused = std::move(result.map);
-  if (joined > 1)
+  if (joined > 1) {
     saveFused(run, fused, result.sources);
-  else
+  } else {
     run.report.policy.clear();
-  if (joined <= 1 && is_mergeable)
-    std::cerr << "map-fusion: all matches are rejected, nothing was merged (--force merges)\n";
-  else if (joined <= 1)
-    std::cerr << "map-fusion: nothing was merged: only one robot sent more than edges\n";
+    std::cerr
+        << (is_mergeable
+                ? "map-fusion: all matches are rejected, nothing was merged (--force merges)\n"
+                : "map-fusion: nothing was merged: only one robot sent more than edges\n");
+  }
   savePoses(run, joined > 1);
   drawTeamPage(run, robots, joined > 1 ? fused : nullptr);
   const bool accepted = std::all_of(members.begin(), members.end(), [](const FusionMember& m) {

@@ -56,13 +56,9 @@ class MergeVisitor {
   State rootState() const { return {a_.getRoot(), CubeListVisitor(b_).rootState()}; }
 
   OcTreeFill visit(const OcTreeCube& cube, const State& s) {
-    constexpr unsigned kWholeCopies = 11;  // depth from which on a copy is small work for a thread
     if (!s.a) return CubeListVisitor::visit(cube, s.b);
-    const bool a_is_leaf = !OcTreeAccess::hasChildren(*s.a);
-    if (s.b.empty())
-      return a_is_leaf || cube.depth >= kWholeCopies ? OcTreeFill::copyOf(*s.a)
-                                                     : OcTreeFill::split();
-    if (a_is_leaf && s.b.isLeafOf(cube))
+    if (s.b.empty()) return OcTreeFill::copyInParts(*s.a, cube);
+    if (!OcTreeAccess::hasChildren(*s.a) && s.b.isLeafOf(cube))
       return OcTreeFill::leaf(fused(s.a->getLogOdds(), s.b.begin->log_odds));
     if (cube.depth < VoxelBlock::kDepth) return OcTreeFill::split();
     fuseBlock(cube, *s.a, s.b);

@@ -43,7 +43,7 @@ class Growth {
     joined_.push_back(i);
   }
 
-  /** Maps with the same voxels: a copy follows the map that it is a copy of. */
+  /** Adds a map that has the voxels of another map. It gets the place of the other map. */
   void addCopy(size_t copy, size_t of) { copies_.emplace_back(copy, of); }
 
   /** Joins the maps that a team has placed. */
@@ -105,6 +105,7 @@ class Growth {
         is_first ? member.alignment.pose() : result_.members[j].pose + member.alignment.pose();
   }
 
+  /** Gives a copy the place of its map. */
   void follow(size_t copy, size_t of) {
     const FusionMember& twin = result_.members[of];
     FusionMember& member = result_.members[copy];
@@ -196,7 +197,7 @@ class Growth {
   std::vector<std::vector<bool>> is_matched_;  // by the indices of both maps
   std::vector<size_t> joined_;  // joined maps in their order; the first map keeps its frame
   bool is_team_ = false;        // true after joinTeam()
-  std::vector<std::pair<size_t, size_t>> copies_;  // copy, and the map that it is a copy of
+  std::vector<std::pair<size_t, size_t>> copies_;  // copy, and the map with the same voxels
   TeamState result_;
 };
 

@@ -22,9 +22,11 @@ struct TeamSearchResult {
 
 /** Searches the best configuration: grows configurations from the best ways, improves all that
  * differ by moves of one map and the best of them by moves of two maps. Compares the result with
- * all others and with other places of each map and each linked pair of maps. \param[in] ways
- * Hypotheses of all pairs. Maps without a hypothesis are not placed. \param[in] evidence Evidence
- * of all pairs. \param[in] most_starts Largest number of ways from which configurations grow.
+ * all others and with other places of each map and each linked pair of maps.
+ *
+ * \param[in] ways Hypotheses of all pairs. Maps without a hypothesis are not placed.
+ * \param[in] evidence Evidence of all pairs.
+ * \param[in] most_starts Largest number of ways from which configurations grow.
  * \param[in] first Map in whose frame the configurations are compared. */
 TeamSearchResult searchTeam(const std::vector<Way>& ways, const TeamEvidence& evidence,
                             size_t most_starts, size_t first = 0);

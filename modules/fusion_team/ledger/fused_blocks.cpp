@@ -115,11 +115,7 @@ class CombiningVisitor {
  private:
   /** Returns the content of a node; null for unknown space. */
   static OcTreeFill copyOf(const OcTreeNode* node, const OcTreeCube& cube) {
-    constexpr unsigned kWholeCopies = 11;  // depth from which on a copy is small work for a thread
-    if (!node) return OcTreeFill::unknown();
-    return cube.depth >= kWholeCopies || !OcTreeAccess::hasChildren(*node)
-               ? OcTreeFill::copyOf(*node)
-               : OcTreeFill::split();
+    return node ? OcTreeFill::copyInParts(*node, cube) : OcTreeFill::unknown();
   }
 
   float combined() const {
