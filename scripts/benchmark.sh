@@ -37,6 +37,7 @@ cd "$(dirname "$0")/.."
 if [ -z "$out" ]; then out=build/benchmark$(if $quick; then echo -quick; fi); fi
 
 scripts/install_dependencies.sh --benchmark
+export CMAKE_GENERATOR=Ninja # of a new build tree; an old tree keeps its own
 cmake -S . -B build -DCMAKE_BUILD_TYPE=Release -DMRPT_FUSION_BUILD_BENCHMARKS=ON
 cmake --build build -j "$(nproc)" \
   --target map-fusion simulate-robots fusion-benchmark tile-maps step-benchmark

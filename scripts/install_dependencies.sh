@@ -6,7 +6,7 @@
 set -euo pipefail
 
 packages=(
-  cmake g++ make pkg-config
+  cmake g++ make ninja-build pkg-config
   libmrpt-maps-dev libmrpt-slam-dev # bring mrpt-obs, -opengl, -graphs..., Eigen and nanoflann
   liboctomap-dev                    # also holds the real building that the demo uses
   libeigen3-dev libceres-dev libtbb-dev libjemalloc-dev zlib1g-dev liblzma-dev libzstd-dev
