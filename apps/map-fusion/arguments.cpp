@@ -98,7 +98,7 @@ class CommandLine {
                   "upright to within a few degrees")
         ->excludes(guess);
     sub->add_option("--pose-out", args_.pose_out,
-                    "write the estimated pose to FILE as a 4x4 matrix")
+                    "write the estimated pose to FILE as a 4x4 matrix (exactly two maps)")
         ->type_name("FILE");
     return guess;
   }
@@ -126,10 +126,11 @@ class CommandLine {
         ->type_name("POSE");
   }
   void picture(CLI::App* sub) {
-    sub->add_option("--picture", args_.picture, "draw both maps from above")->type_name("FILE.png");
+    sub->add_option("--picture", args_.picture, "draw both maps from above (exactly two maps)")
+        ->type_name("FILE.png");
     sub->add_option("--scene", args_.scene,
                     "write both maps, their edges, the matched pairs and the fused map as a scene "
-                    "for SceneViewer3D")
+                    "for SceneViewer3D (exactly two maps)")
         ->type_name("FILE.3Dscene");
     sub->add_option(
            "--report", args_.page,
@@ -288,6 +289,14 @@ void checkCommand(const CLI::App& app, int argc, char** argv) {
                              "'; the nearest is '" + nearest + "'");
 }
 
+/** Returns what to do instead of giving a command an output map that it does not write. */
+std::string insteadOfOutput(const CLI::App& command) {
+  const std::string name = command.get_name();
+  return name + " has no option -o: it writes no map" +
+         (command.get_option_no_throw("--pose-out") ? "; --pose-out writes the pose" : "") +
+         (command.get_option_no_throw("--picture") ? "; fuse and merge write maps" : "");
+}
+
 /** \exception CLI::ValidationError If an option does not exist. It names the nearest option. */
 void checkOptions(const CLI::App& app, int argc, char** argv) {
   constexpr size_t kMostChanges = 3;
@@ -303,6 +312,8 @@ void checkOptions(const CLI::App& app, int argc, char** argv) {
   for (int i = 2; i < argc; i++) {
     const std::string word = argv[i], name = word.substr(0, word.find('='));
     if (word == "--") return;
+    if ((word == "-o" || name == "--output") && !command->get_option_no_throw("--output"))
+      throw CLI::ValidationError(insteadOfOutput(*command));
     if (word.substr(0, 2) != "--" || command->get_option_no_throw(name)) continue;
     const auto [nearest, changes] = nearestTo(name, options);
     throw CLI::ValidationError(command->get_name() + " has no option " +
@@ -320,6 +331,18 @@ void checkOutputs(const Arguments& args) {
         throw CLI::ValidationError(
             "two outputs are the same file: " + mrpt::fusion::printable(outputs[j]) + " and " +
             mrpt::fusion::printable(outputs[i]));
+}
+
+/** \exception CLI::ValidationError If a command writes no octree, but the extension of its output
+ * is that of an octree. */
+void checkFormat(const Arguments& args) {
+  const std::string extension = std::filesystem::path(args.output).extension();
+  const char* format = args.command == "edges"  ? "edges, not an octree: .ply or .gridmap"
+                       : args.command == "pack" ? "a mission, not an octree: .rawlog"
+                                                : nullptr;
+  if (format && (extension == ".ot" || extension == ".bt"))
+    throw CLI::ValidationError(mrpt::fusion::printable(args.output) + ": " + args.command +
+                               " writes " + format);
 }
 
 }  // namespace
@@ -347,6 +370,8 @@ std::optional<ExitCode> parseArguments(int argc, char** argv, Arguments& args) {
     checkCommand(app, argc, argv);
     checkOptions(app, argc, argv);
     app.parse(argc, argv);
+    args.command = app.get_subcommands().front()->get_name();
+    checkFormat(args);
     checkOutputs(args);
     if (args.maps.size() != 2 && !(args.init + args.pose_out + args.picture + args.scene).empty())
       throw CLI::ValidationError(
@@ -354,7 +379,6 @@ std::optional<ExitCode> parseArguments(int argc, char** argv, Arguments& args) {
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? kDone : kUsage;
   }
-  args.command = app.get_subcommands().front()->get_name();
   return std::nullopt;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,11 @@ struct Arguments {
 
 /** Returns the output files of the arguments. */
 std::vector<std::string> outputsOf(const Arguments& args);
+
+/** Wrong usage that only the files show. */
+struct UsageError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
 
 /** Exit codes of the program. They are documented in --help. */
 enum ExitCode { kDone = 0, kFailure = 1, kUsage = 2, kRejected = 3 };

@@ -51,6 +51,15 @@ void report(RunContext& run, const std::string& path, LoadedMap& map,
     throw std::runtime_error(path + ": the map has no occupied voxel");
 }
 
+/** \exception UsageError If a file is given twice. */
+void checkDistinct(const std::vector<std::string>& paths) {
+  std::error_code ignored;
+  for (size_t i = 0; i < paths.size(); i++)
+    for (size_t j = 0; j < i; j++)
+      if (paths[i] == paths[j] || fs::equivalent(paths[i], paths[j], ignored))
+        throw UsageError(paths[i] + ": is given twice");
+}
+
 }  // namespace
 
 std::optional<ReadOctree> readAhead(const RunContext& run, const std::string& role,
@@ -116,6 +125,7 @@ std::vector<Robot> loadFileOfRobots(RunContext& run, const std::string& role,
 
 std::vector<Robot> loadRobots(RunContext& run) {
   std::vector<Robot> robots;
+  checkDistinct(run.args.maps);
   const std::vector<std::string> names = namesOf(run.args.maps);
   for (size_t i = 0; i < names.size(); i++) {
     const std::string& path = run.args.maps[i];
@@ -123,7 +133,9 @@ std::vector<Robot> loadRobots(RunContext& run) {
     for (Robot& robot : of_file) {
       const bool twice = std::any_of(robots.begin(), robots.end(),
                                      [&](const auto& other) { return other.name == robot.name; });
-      if (twice) throw std::runtime_error(path + ": there is another map of '" + robot.name + "'");
+      if (twice)
+        throw std::runtime_error(path + ": there are two maps of '" + robot.name +
+                                 "': a mission that is given twice, or robots of one name");
       if (run.args.edges_only)
         robot.map = mrpt::fusion::withPath(path, [&]() -> LoadedMap {
           return {
@@ -150,20 +162,19 @@ std::vector<std::string> namesOf(const std::vector<std::string>& paths) {
     folders.push_back(files.back().parent_path());
     names.push_back(files.back().filename().replace_extension().string());
   }
-  std::vector<size_t> same;  // files whose name another file has, too
-  do {
-    same.clear();
+  const auto areDistinct = [&] {
     for (size_t i = 0; i < paths.size(); i++)
-      for (size_t j = 0; j < paths.size(); j++)
-        if (names[i] == names[j] && files[i] != files[j] && folders[i].has_relative_path()) {
-          same.push_back(i);
-          break;
-        }
-    for (const size_t i : same) {
+      for (size_t j = 0; j < i; j++)
+        if (names[i] == names[j] && files[i] != files[j]) return false;
+    return true;
+  };
+  const auto isTop = [](const fs::path& folder) { return !folder.has_relative_path(); };
+  while (!areDistinct() && !std::all_of(folders.begin(), folders.end(), isTop))
+    for (size_t i = 0; i < paths.size(); i++) {
+      if (isTop(folders[i])) continue;
       names[i] = folders[i].filename().string() + "_" + names[i];
       folders[i] = folders[i].parent_path();
     }
-  } while (!same.empty());
   return names;
 }
 

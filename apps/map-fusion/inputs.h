@@ -61,7 +61,7 @@ std::vector<Robot> loadRobots(RunContext& run);
 mrpt::fusion::EdgeVoxels edgesOf(const RunContext& run, const LoadedMap& map);
 
 /** Names robots after their files. If files have the same name, the names of their folders are
- * added. */
+ * added to all names. */
 std::vector<std::string> namesOf(const std::vector<std::string>& paths);
 
 }  // namespace map_fusion

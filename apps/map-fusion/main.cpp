@@ -56,6 +56,9 @@ int main(int argc, char** argv) {
     return run(args);
   } catch (const std::bad_alloc&) {
     std::cerr << "map-fusion: out of memory\n";
+  } catch (const UsageError& e) {
+    std::cerr << "map-fusion: " << mrpt::fusion::messageOf(e) << "\n";
+    return kUsage;
   } catch (const std::exception& e) {
     std::cerr << "map-fusion: " << mrpt::fusion::messageOf(e) << "\n";
   }

@@ -13,12 +13,13 @@
 #include <tbb/task_group.h>
 
 #include <algorithm>
+#include <iostream>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "fusion_base/error_text.h"
-#include "fusion_base/files.h"
+#include "fusion_base/printable.h"
 #include "fusion_report/top_view.h"
 #include "inputs.h"
 #include "output.h"
@@ -74,7 +75,7 @@ void drawPicture(RunContext& run, const MapPair& pair) {
                     toEigen(run.report.pose->mean)});
   const auto picture = drawTopView(mrpt::fusion::extractOccupiedVoxels(*pair.a.octree),
                                    mrpt::fusion::extractOccupiedVoxels(*pair.b.octree), panels);
-  mrpt::fusion::writeFileAtomically(run.args.picture, picture.toPng());
+  run.write(run.args.picture, picture.toPng());
   run.endStep("picture");
 }
 
@@ -92,6 +93,7 @@ void drawScene(RunContext& run, const MapPair& pair) {
                                run.options.evaluation.inlier_mahalanobis,
                                pair.fused.get()};
   mrptMaps().drawScene(contents, run.args.scene);
+  run.wrote(run.args.scene);
   run.progress.clear();
   run.endStep("scene");
 }
@@ -129,7 +131,7 @@ bool matchPair(RunContext& run, MapPair& pair) {
   run.endStep("features");
   run.report.match = mrpt::fusion::align(a, b, priorOf(run, pair), run.options, run.on_iteration);
   if (fitsWithoutCommonVertical(run, a, b))
-    run.report.match->evaluation.reasons.emplace_back(
+    run.report.match->evaluation.addReasonAgainst(
         "the maps fit if up is another direction in map B: pass --full-6dof");
   run.progress.clear();
   const auto& match = *run.report.match;
@@ -137,9 +139,21 @@ bool matchPair(RunContext& run, MapPair& pair) {
   run.report.seconds.emplace_back("match", match.seconds_matching);
   run.report.seconds.emplace_back("evaluate", match.seconds_evaluation);
   run.startStep();
-  if (!run.args.pose_out.empty())
-    mrpt::fusion::writeFileAtomically(run.args.pose_out, toMatrixText(run.report.pose->mean));
+  if (!run.args.pose_out.empty()) run.write(run.args.pose_out, toMatrixText(run.report.pose->mean));
   return match.evaluation.accepted;
+}
+
+void tellRejection(const RunContext& run, const std::string& consequence) {
+  const auto& e = run.report.match->evaluation;
+  std::cerr << "map-fusion: the match is " << (e.is_ambiguous ? "ambiguous" : "rejected")
+            << (e.reasons.empty() ? "" : ": " + mrpt::fusion::printable(e.reasons.front()))
+            << consequence << "\n";
+}
+
+bool concludeMatch(const RunContext& run) {
+  const bool accepted = run.report.match->evaluation.accepted;
+  if (!accepted && run.args.quiet) tellRejection(run);
+  return accepted;
 }
 
 void mergePair(RunContext& run, MapPair& pair) {
@@ -204,6 +218,7 @@ void saveFused(RunContext& run, const std::shared_ptr<const octomap::OcTree>& fu
     throw;
   }
   reporting.wait();
+  run.wrote(run.args.output);
   run.endStep("save");
   run.report.maps.push_back(std::move(report));
   run.report.maps.back().sources = sources;

@@ -34,6 +34,13 @@ void preparePair(const RunContext& run, MapPair& pair);
 /** Estimates the pose of B in A, and writes it if wanted. \return Whether it is accepted. */
 bool matchPair(RunContext& run, MapPair& pair);
 
+/** Says on stderr why the match is rejected. \param[in] consequence End of the line. */
+void tellRejection(const RunContext& run, const std::string& consequence = {});
+
+/** Ends a run that only matches: says why the match is rejected if no summary does so.
+ * \return Whether the match is accepted. */
+bool concludeMatch(const RunContext& run);
+
 /** Merges both maps at the pose of the report, and saves the result. */
 void mergePair(RunContext& run, MapPair& pair);
 

@@ -98,6 +98,20 @@ void checkWritable(const std::string& path, const std::vector<std::string>& inpu
     throw std::runtime_error(path + ": cannot be written: permission denied");
 }
 
+std::string surpriseOf(const Arguments& args) {
+  const std::string& path = args.output;
+  const std::string extension = fs::path(path).extension();
+  std::error_code ignored;
+  const bool is_device = fs::exists(path, ignored) && !fs::is_regular_file(path, ignored);
+  if (path.empty() || path == mrpt::fusion::kStandardOutput || is_device ||
+      args.command == "pack" || (args.command == "edges" && extension == ".ply"))
+    return {};
+  for (const char* known : {".ot", ".bt", ".gridmap", ".map", ".gz"})
+    if (extension == known) return {};
+  return path + ": is written as an object of MRPT, for which .gridmap is usual. Other formats: " +
+         (args.command == "edges" ? ".ply" : ".ot and .bt of OctoMap");
+}
+
 void saveMap(const std::shared_ptr<const octomap::OcTree>& map, const std::string& path,
              const mrpt::fusion::Sources& sources) {
   const std::string extension = fs::path(path).extension();

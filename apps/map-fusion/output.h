@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "arguments.h"
+
 /** \file
  * Progress on the terminal, and output files. */
 
@@ -38,6 +40,10 @@ bool isSameOutput(const std::string& a, const std::string& b);
 /** Checks that a file can be created, so that a long run does not fail at its end.
  * \exception std::runtime_error "<path>: <reason>" if it cannot, or if the file is an input. */
 void checkWritable(const std::string& path, const std::vector<std::string>& inputs);
+
+/** Returns a remark on the format of the output map if the extension of the file suggests another
+ * format, otherwise nothing. */
+std::string surpriseOf(const Arguments& args);
 
 /** Saves a map: `.ot` and `.bt` by extension, `.ot` on standard output ("-"), otherwise as MRPT
  * serializes it. \param[in] sources Sources of the map, which files of octrees do not hold.

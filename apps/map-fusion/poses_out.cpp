@@ -6,7 +6,6 @@
 
 #include <filesystem>
 
-#include "fusion_base/files.h"
 #include "fusion_report/pose_graph.h"
 #include "mrpt_maps.h"
 
@@ -33,7 +32,7 @@ void savePoses(RunContext& run, bool is_merged) {
                            : extension == ".tum"  ? toTum(graph)
                            : extension == ".yaml" ? toYaml(graph)
                                                   : mrptMaps().toGraphText(graph);
-  mrpt::fusion::writeFileAtomically(path, text);
+  run.write(path, text);
   run.endStep("poses");
 }
 

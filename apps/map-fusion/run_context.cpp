@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <iomanip>
 #include <iostream>
 #include <stdexcept>
 #include <vector>
@@ -38,7 +40,10 @@ RunContext::RunContext(const Arguments& arguments) : args(arguments), progress(!
   report.command = args.command;
   std::vector<std::string> inputs = args.maps;
   inputs.insert(inputs.end(), {args.config, args.init, args.pose, args.priors});
-  for (const auto& path : outputsOf(args)) checkWritable(path, inputs);
+  for (const auto& path : outputsOf(args)) {
+    checkWritable(path, inputs);
+    if (std::filesystem::is_regular_file(path)) old_files_.push_back(path);
+  }
   if (!args.config.empty()) mrpt::fusion::withPath(args.config, [this] { loadConfig(); });
   if (args.full_6dof) options.search.rotations = mrpt::fusion::SearchRotations::All;
   on_iteration = [this](const mrpt::fusion::IterationRecord& i) {
@@ -47,6 +52,7 @@ RunContext::RunContext(const Arguments& arguments) : args(arguments), progress(!
     else
       progress.show(toText(i));
   };
+  if (const std::string surprise = surpriseOf(args); !surprise.empty()) note(surprise);
   startStep();
 }
 
@@ -81,6 +87,11 @@ void RunContext::note(const std::string& text) {
   report.notes.push_back(text);
 }
 
+void RunContext::write(const std::string& path, const std::string& bytes) {
+  mrpt::fusion::writeFileAtomically(path, bytes);
+  wrote(path);
+}
+
 void RunContext::endStep(const std::string& name) {
   auto& seconds = report.seconds;
   const double elapsed = clock_.Tac();
@@ -94,11 +105,23 @@ void RunContext::endStep(const std::string& name) {
 void RunContext::finish() {
   const auto outputs = outputsOf(args);
   const bool is_stdout_taken = std::any_of(outputs.begin(), outputs.end(), isStandardOutput);
-  if (!args.quiet) mrpt::fusion::print(report, is_stdout_taken ? std::cerr : std::cout);
-  if (!args.json.empty())
-    mrpt::fusion::writeFileAtomically(args.json, mrpt::fusion::toJson(report));
+  std::ostream& summary = is_stdout_taken ? std::cerr : std::cout;
+  if (!args.quiet) mrpt::fusion::print(report, summary);
+  if (!args.json.empty()) write(args.json, mrpt::fusion::toJson(report));
   if (!args.page.empty() && !page_scene.empty())
-    mrpt::fusion::writeFileAtomically(args.page, mrpt::fusion::toPage(report, page_scene));
+    write(args.page, mrpt::fusion::toPage(report, page_scene));
+  if (!args.quiet) printWritten(summary);
+}
+
+void RunContext::printWritten(std::ostream& out) const {
+  std::string label = "written";
+  for (const std::string& path : written_) {
+    if (isStandardOutput(path)) continue;
+    const bool is_old = std::find(old_files_.begin(), old_files_.end(), path) != old_files_.end();
+    out << std::left << std::setw(mrpt::fusion::kValueColumn) << label
+        << mrpt::fusion::printable(path) << (is_old ? " (replaced)" : "") << "\n";
+    label.clear();
+  }
 }
 
 }  // namespace map_fusion

@@ -5,8 +5,10 @@
 #include <mrpt/fusion/options.h>
 #include <mrpt/system/CTicTac.h>
 
+#include <iosfwd>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "arguments.h"
 #include "fusion_report/report.h"
@@ -45,6 +47,11 @@ class RunContext {
   /** Tells the user what a run did not take over from a file: on stderr, and in the report. */
   void note(const std::string& text);
 
+  /** Writes an output file, see mrpt::fusion::writeFileAtomically(). */
+  void write(const std::string& path, const std::string& bytes);
+  /** Remembers that an output file is written: finish() says so. */
+  void wrote(const std::string& path) { written_.push_back(path); }
+
   /** Starts to measure a step. */
   void startStep() { clock_.Tic(); }
   /** Adds the time since the last step to the report, and starts to measure the next step. */
@@ -55,9 +62,12 @@ class RunContext {
 
  private:
   void loadConfig();
+  void printWritten(std::ostream& out) const;
 
   std::unique_ptr<mrpt::config::CConfigFileMemory> config_;
   mrpt::system::CTicTac clock_;
+  std::vector<std::string> old_files_;  // outputs that exist before the run
+  std::vector<std::string> written_;    // outputs that are written
 };
 
 }  // namespace map_fusion

@@ -57,6 +57,7 @@ Json matchJson(const Alignment& info) {
     hypotheses.push_back({{"agreement", h.agreement}, {"pose", poseJson(toPose(h.T_a_b))}});
   return {{"accepted", e.accepted},
           {"reasons", e.reasons},
+          {"reasons_against", e.reasons_against},
           {"asked", e.sampled},
           {"pairs", e.pairs},
           {"inliers", e.inliers},

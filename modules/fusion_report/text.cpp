@@ -60,14 +60,20 @@ const char* verdictOf(const Evaluation& e) {
   return e.accepted ? "accepted" : e.is_ambiguous ? "AMBIGUOUS" : "REJECTED";
 }
 
+/** Prints the reasons of a verdict, each with its sign: those against the pose are first. */
+void printReasons(const Evaluation& e, std::ostream& out) {
+  for (size_t i = 0; i < e.reasons.size(); i++)
+    out << std::string(kValueColumn, ' ') << (i < e.reasons_against ? "- " : "+ ")
+        << printable(e.reasons[i]) << "\n";
+}
+
 void printMember(const FusionMember& m, std::ostream& out) {
   if (!m.hasMatch()) return line(out, "%-16s first map, its frame is kept", m.robot.c_str());
   const auto& e = m.alignment.evaluation;
   line(out, "%-16s %s%s, pose %s, overlap %.1f %%", m.robot.c_str(),
        m.alignment.by_edges ? "placed by edges" : verdictOf(e),
        m.joined && !e.accepted ? ", forced" : "", poseText(m.pose.mean).c_str(), 100 * e.overlap);
-  if (!m.alignment.by_edges)
-    for (const auto& reason : e.reasons) out << "                 - " << printable(reason) << "\n";
+  if (!m.alignment.by_edges) printReasons(e, out);
 }
 
 void printMatch(const Alignment& info, std::ostream& out) {
@@ -91,7 +97,7 @@ void printMatch(const Alignment& info, std::ostream& out) {
          "conflict ratio   unknown  (nothing to compare: no obstacle lies where the other map is "
          "free)");
   line(out, "verdict          %s", verdictOf(e));
-  for (const auto& reason : e.reasons) out << "                 - " << printable(reason) << "\n";
+  printReasons(e, out);
   if (e.is_ambiguous)
     line(out, "rival pose       %s", poseText(toPose(info.match.hypotheses[1].T_a_b)).c_str());
 }
@@ -113,7 +119,7 @@ void print(const Report& r, std::ostream& out) {
          poseText(r.pose->mean).c_str());
   if (r.match) printMatch(*r.match, out);
   for (const auto& member : r.members) printMember(member, out);
-  if (r.bytes) line(out, "written          %zu bytes", *r.bytes);
+  if (r.bytes) line(out, "size             %zu bytes", *r.bytes);
   if (!r.policy.empty()) line(out, "merged by        %s", r.policy.c_str());
   out << "seconds         ";
   double total = 0;

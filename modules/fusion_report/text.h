@@ -10,6 +10,8 @@
 
 namespace mrpt::fusion {
 
+constexpr int kValueColumn = 17;  ///< Column where the values of the text begin
+
 /** Prints a report as text: poses in m and deg, ratios in percent, wall times in s. */
 void print(const Report& report, std::ostream& out);
 

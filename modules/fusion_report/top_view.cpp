@@ -8,12 +8,16 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <limits>
+
+#include "fusion_report/font.h"
 
 namespace mrpt::fusion {
 namespace {
 
 constexpr int kMargin = 30;       // width of the margin around a panel, pixels; the title is in it
+constexpr int kGap = 8;           // width of the gap between bar and legend, pixels
 constexpr int kPanelWidth = 900;  // approximate width of a panel, pixels
 
 /** The number of voxels above each cell of a floor plan. */
@@ -69,6 +73,15 @@ void extend(const OccupiedVoxels& voxels, const Eigen::Isometry3d& T, Eigen::Vec
   }
 }
 
+/** Returns the length of the bar in a picture of a width, m: 5, 1, 0.5, 0.1, ... */
+double barLengthFor(double width) {
+  constexpr double kLongest = 5, kShortest = 0.001;
+  double length = kLongest;
+  for (bool by_five = true; length > width && length > kShortest; by_five = !by_five)
+    length /= by_five ? 5 : 2;
+  return length;
+}
+
 }  // namespace
 
 Image drawTopView(const OccupiedVoxels& a, const OccupiedVoxels& b,
@@ -88,14 +101,24 @@ Image drawTopView(const OccupiedVoxels& a, const OccupiedVoxels& b,
   const int w = empty.width * zoom, h = empty.height * zoom;
   const bool stacked = w > h;  // wide panels are below each other, tall panels are side by side
   const int n = static_cast<int>(panels.size());
-  Image image((stacked ? w : n * (w + kMargin)) + 2 * kMargin,
+  const double bar_length = barLengthFor(w * cell / zoom);
+  const int bar = static_cast<int>(bar_length / cell * zoom);
+  char legend[80];
+  std::snprintf(legend, sizeof(legend), "%g m     A: orange   B: blue   both: black", bar_length);
+  const auto textWidth = [](const std::string& text) {
+    return kGlyphWidth * static_cast<int>(text.size());
+  };
+  int panel_width = w;  // with its title
+  for (const auto& panel : panels) panel_width = std::max(panel_width, textWidth(panel.title));
+  const int width = stacked ? panel_width : n * (panel_width + kMargin);
+  Image image(std::max(width, bar + kGap + textWidth(legend)) + 2 * kMargin,
               (stacked ? n * (h + kMargin) : h) + 2 * kMargin);
 
   for (int i = 0; i < n; i++) {
     Plan plan_a(empty), plan_b(empty);
     plan_a.add(a, Eigen::Isometry3d::Identity());
     plan_b.add(b, panels[static_cast<size_t>(i)].T_a_b);
-    const int x0 = kMargin + (stacked ? 0 : i * (w + kMargin));
+    const int x0 = kMargin + (stacked ? 0 : i * (panel_width + kMargin));
     const int y0 = kMargin + (stacked ? i * (h + kMargin) : 0);
     for (int y = 0; y < plan_a.height; y++)
       for (int x = 0; x < plan_a.width; x++) {
@@ -106,11 +129,9 @@ Image drawTopView(const OccupiedVoxels& a, const OccupiedVoxels& b,
       }
     image.drawText(x0, y0 - 20, panels[static_cast<size_t>(i)].title, kBlack);
   }
-  const int bar = static_cast<int>(5.0 / cell * zoom);
   const int bottom = image.height() - 12;
   image.fillRectangle(kMargin, bottom, kMargin + bar, bottom + 3, kBlack);
-  image.drawText(kMargin + bar + 8, bottom - 8, "5 m     A: orange   B: blue   both: black",
-                 kBlack);
+  image.drawText(kMargin + bar + kGap, bottom - 8, legend, kBlack);
   return image;
 }
 

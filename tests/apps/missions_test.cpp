@@ -52,8 +52,8 @@ TEST_F(Missions, TellFilesOfOneNameApartByTheirFolders) {
   EXPECT_EQ(report().at("robots")[0].at("robot"), "one_maps_map");
   EXPECT_EQ(report().at("robots")[1].at("robot"), "two_maps_map");
   const auto same = mapFusion("pack one/maps/map.ot one/../one/maps/map.ot -o twice.rawlog");
-  EXPECT_EQ(same.code, 1);
-  EXPECT_NE(same.err.find("another map of 'map'"), std::string::npos) << same.err;
+  EXPECT_EQ(same.code, 2);
+  EXPECT_NE(same.err.find("is given twice"), std::string::npos) << same.err;
 }
 
 TEST_F(Missions, CarryMapsWithoutLossInHalfOfWhatGzipMakesOfThem) {
@@ -139,12 +139,12 @@ TEST_F(Missions, AreListed) {
 TEST_F(Missions, ThatCannotBeUsedSayWhy) {
   ASSERT_EQ(mapFusion("pack " + both() + " -o mission.rawlog").code, 0);
   EXPECT_EQ(mapFusion("match mission.rawlog " + pair("map_b.ot")).code, 1) << "which of its maps?";
-  EXPECT_EQ(mapFusion("fuse " + pair("map_a.ot") + " -o fused.ot").code, 1) << "with what?";
+  EXPECT_EQ(mapFusion("fuse " + pair("map_a.ot") + " -o fused.ot").code, 2) << "with what?";
   EXPECT_EQ(mapFusion("fuse mission.rawlog --init \"[0 0 0 0 0 0]\" -o fused.ot").code, 2);
   const auto twice = mapFusion("fuse mission.rawlog " + pair("map_b.ot") + " " + pair("map_a.ot") +
                                " -o fused.ot");
   EXPECT_EQ(twice.code, 1);
-  EXPECT_NE(twice.err.find("another map of 'map_b'"), std::string::npos) << twice.err;
+  EXPECT_NE(twice.err.find("two maps of 'map_b'"), std::string::npos) << twice.err;
   ASSERT_EQ(run("head -c 100000 mission.rawlog > cut.rawlog").code, 0);
   const auto cut = mapFusion("fuse cut.rawlog -o fused.ot");
   EXPECT_EQ(cut.code, 1);

@@ -31,7 +31,10 @@ Alignment rejectedMatch() {
   Alignment match;
   match.evaluation.accepted = false;
   match.evaluation.is_ambiguous = true;
-  match.evaluation.reasons = {"another pose fits as well"};
+  match.evaluation.addReasonFor("overlap 50.0 % is sufficient");
+  match.evaluation.addReasonAgainst("another pose fits as well");
+  match.evaluation.addReasonFor("the obstacles agree");
+  match.evaluation.addReasonAgainst("the pose is not held");
   match.evaluation.sampled = 200;
   match.evaluation.pairs = 100;
   match.evaluation.inliers = 50;
@@ -96,7 +99,12 @@ TEST(ReportAsText, HoldsTheVerdictWithItsReasons) {
   const std::string text = textOf(report);
   EXPECT_TRUE(contains(text, "[1.0000 2.0000 3.0000 0.000 0.000 0.000]")) << text;
   EXPECT_TRUE(contains(text, "AMBIGUOUS")) << text;
-  EXPECT_TRUE(contains(text, "- another pose fits as well\n")) << text;
+  const std::string reasons =
+      "                 - another pose fits as well\n"
+      "                 - the pose is not held\n"
+      "                 + overlap 50.0 % is sufficient\n"
+      "                 + the obstacles agree\n";
+  EXPECT_TRUE(contains(text, reasons)) << text;
   EXPECT_TRUE(contains(text, "[7.0000 0.0000 0.0000")) << "the rival: " << text;
   EXPECT_TRUE(contains(text, "50.0 %")) << text;
   EXPECT_TRUE(contains(text, "bayes")) << text;
@@ -122,6 +130,8 @@ TEST(ReportAsJson, HoldsTheSameFiguresUnderDocumentedKeys) {
   EXPECT_FALSE(j.at("match").at("accepted"));
   EXPECT_TRUE(j.at("match").at("ambiguous"));
   EXPECT_EQ(j.at("match").at("reasons").at(0), "another pose fits as well");
+  EXPECT_EQ(j.at("match").at("reasons").at(3), "the obstacles agree");
+  EXPECT_EQ(j.at("match").at("reasons_against"), 2);
   EXPECT_EQ(j.at("match").at("hypotheses").at(1).at("pose").at("x"), 7);
   EXPECT_EQ(j.at("match").at("voxels_b"), 20);
   EXPECT_EQ(j.at("observations").at("inserted"), 5);

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -80,7 +81,7 @@ TEST(TopView, DrawsHighColumnsStronger) {
 }
 
 TEST(TopView, HasOnePanelForEachPose) {
-  const auto a = voxelsAt({{0.05F, 0.05F, 0}, {0.05F, 5.05F, 0}});
+  const auto a = voxelsAt({{0.05F, 0.05F, 0}, {8.05F, 9.05F, 0}});
   const Image one = drawTopView(a, a, {{"one", shiftBy(0)}});
   const Image two = drawTopView(a, a, {{"one", shiftBy(0)}, {"two", shiftBy(0)}});
   EXPECT_EQ(one.height(), two.height());
@@ -91,6 +92,33 @@ TEST(TopView, TakesMapsOfOneVoxel) {
   const auto voxel = voxelsAt({{0.05F, 0.05F, 0}});
   const Image image = drawTopView(voxel, voxel, {{"one voxel", shiftBy(0)}});
   EXPECT_GT(image.width(), 60);
+}
+
+TEST(TopView, IsWideEnoughForItsLegend) {
+  const auto tall = voxelsAt({{0.05F, 0.05F, 0}, {0.05F, 30.05F, 0}, {4.05F, 0.05F, 0}});
+  const Image wide = drawTopView(tall, tall, {{std::string(200, 'x'), shiftBy(0)}});
+  const Image image = drawTopView(tall, tall, {{"", shiftBy(0)}});
+  ASSERT_GT(wide.width(), image.width());
+  const auto legendOf = [](const Image& i) {
+    size_t black = 0;
+    for (int y = i.height() - 28; y < i.height(); y++)
+      for (int x = 0; x < i.width(); x++) black += i.at(x, y) == kBlack ? 1U : 0U;
+    return black;
+  };
+  EXPECT_EQ(legendOf(image), legendOf(wide)) << "the legend is cut off";
+}
+
+TEST(TopView, TheBarIsNotLongerThanTheMaps) {
+  auto small = voxelsAt({{0, 0, 0}, {0.99F, 0.5F, 0}});
+  small.resolution = 0.01;
+  const Image image = drawTopView(small, small, {{"", shiftBy(0)}});
+  int longest = 0;
+  for (int x = 0, run = 0; x < image.width(); x++) {
+    run = image.at(x, image.height() - 11) == kBlack ? run + 1 : 0;
+    longest = std::max(longest, run);
+  }
+  EXPECT_GT(longest, image.width() / 4);
+  EXPECT_LT(longest, image.width());
 }
 
 }  // namespace

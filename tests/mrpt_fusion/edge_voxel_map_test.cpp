@@ -181,7 +181,9 @@ TEST(MatchingByEdges, FindsThePoseOfEdgesInAMap) {
   EXPECT_TRUE(info.by_edges);
   EXPECT_EQ(info.voxels_b, edges_b.size());
   EXPECT_FALSE(info.evaluation.accepted) << "there is nothing to merge";
-  EXPECT_NE(info.evaluation.reasons.back().find("edges alone"), std::string::npos);
+  ASSERT_GT(info.evaluation.reasons_against, 0U);
+  EXPECT_NE(info.evaluation.reasons[info.evaluation.reasons_against - 1].find("edges alone"),
+            std::string::npos);
 }
 
 TEST(MatchingByEdges, FindsThePoseOfAMapInEdges) {

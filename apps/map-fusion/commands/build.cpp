@@ -24,6 +24,7 @@ bool runBuild(RunContext& run) {
     saveMap(built.map.octree, run.args.output);
   else
     mrptMaps().save(built.map, run.args.output);
+  run.wrote(run.args.output);
   run.endStep("save");
   run.report.observations = built.observations;
   if (built.map.octree)

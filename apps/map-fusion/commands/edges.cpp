@@ -28,6 +28,7 @@ bool runEdges(RunContext& run) {
     mrpt::fusion::writeFileAtomically(output, toPly(*edges));
   else
     mrptMaps().save({nullptr, edges, nullptr, {}}, output);
+  run.wrote(output);
   run.endStep("save");
   return true;
 }

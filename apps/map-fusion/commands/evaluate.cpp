@@ -17,7 +17,7 @@ bool runEvaluate(RunContext& run) {
   run.report.pose->cov = run.report.match->pose().cov;
   run.endStep("evaluate");
   drawPair(run, pair);
-  return run.report.match->evaluation.accepted;
+  return concludeMatch(run);
 }
 
 }  // namespace map_fusion

@@ -2,8 +2,6 @@
 /** \file
  * `map-fusion fuse` for two maps. */
 
-#include <iostream>
-
 #include "commands/commands.h"
 #include "map_pair.h"
 #include "poses_out.h"
@@ -18,7 +16,7 @@ bool runFuse(RunContext& run) {
   if (accepted || run.args.force)
     mergePair(run, pair);
   else
-    std::cerr << "map-fusion: the match is rejected, nothing was merged (--force merges)\n";
+    tellRejection(run, "; nothing was merged (--force merges)");
   savePoses(run, pair.fused != nullptr);
   drawPair(run, pair);
   return accepted;

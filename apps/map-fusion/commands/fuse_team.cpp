@@ -15,6 +15,7 @@
 
 #include "commands/commands.h"
 #include "fusion_base/error_text.h"
+#include "fusion_base/printable.h"
 #include "inputs.h"
 #include "map_pair.h"
 #include "pages.h"
@@ -39,13 +40,22 @@ void applyPriors(const Priors& priors, std::vector<mrpt::fusion::RobotMap>& maps
   }
 }
 
+/** Returns the names of the robots whose matches are rejected. */
+std::string rejectedOf(const std::vector<FusionMember>& members) {
+  std::string names;
+  for (const FusionMember& m : members)
+    if (m.hasMatch() && !m.alignment.by_edges && !m.alignment.evaluation.accepted)
+      names += (names.empty() ? "" : ", ") + m.robot;
+  return names;
+}
+
 }  // namespace
 
 bool runFuseTeam(RunContext& run) {
   const auto robots = loadRobots(run);
   if (robots.size() < 2)
-    throw std::runtime_error(run.args.maps[0] +
-                             ": holds one map. Give two maps, or a rawlog of several robots' maps");
+    throw UsageError(run.args.maps[0] +
+                     ": holds one map. Give two maps, or a rawlog of several robots' maps");
   choosePolicy(run);
   std::vector<mrpt::fusion::RobotMap> maps;
   maps.reserve(robots.size());
@@ -87,10 +97,10 @@ bool runFuseTeam(RunContext& run) {
   }
   savePoses(run, joined > 1);
   drawTeamPage(run, robots, joined > 1 ? fused : nullptr);
-  const bool accepted = std::all_of(members.begin(), members.end(), [](const FusionMember& m) {
-    return m.alignment.by_edges || !m.hasMatch() || m.alignment.evaluation.accepted;
-  });
-  return joined > 1 && accepted;
+  const std::string rejected = rejectedOf(members);
+  if (joined > 1 && !rejected.empty())
+    std::cerr << "map-fusion: rejected: " << mrpt::fusion::printable(rejected) << "\n";
+  return joined > 1 && rejected.empty();
 }
 
 }  // namespace map_fusion

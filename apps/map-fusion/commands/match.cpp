@@ -9,9 +9,9 @@ namespace map_fusion {
 
 bool runMatch(RunContext& run) {
   MapPair pair = loadPair(run);
-  const bool accepted = matchPair(run, pair);
+  matchPair(run, pair);
   drawPair(run, pair);
-  return accepted;
+  return concludeMatch(run);
 }
 
 }  // namespace map_fusion

@@ -13,6 +13,7 @@ namespace map_fusion {
 bool runPack(RunContext& run) {
   const auto robots = loadRobots(run);
   mrptMaps().saveMission(robots, run.args.smallest, run.args.output);
+  run.wrote(run.args.output);
   run.endStep("save");
   if (std::filesystem::is_regular_file(run.args.output))  // a pipe has no size
     run.report.bytes = std::filesystem::file_size(run.args.output);

@@ -30,6 +30,7 @@ bool runTransform(RunContext& run) {
   for (auto& source : sources)
     if (source.content_hash == 0) source.content_hash = mrpt::fusion::voxelHash(*map.octree);
   saveMap(moved, run.args.output, sources);
+  run.wrote(run.args.output);
   run.endStep("save");
   run.report.maps.push_back(mrpt::fusion::reportOn("transformed", run.args.output, *moved));
   return true;

@@ -2,6 +2,7 @@
 /** \file
  * Aligns two prepared maps, and evaluates given poses. */
 #include <mrpt/core/exceptions.h>
+#include <mrpt/core/format.h>
 #include <mrpt/fusion/alignment.h>
 #include <mrpt/system/CTicTac.h>
 
@@ -52,6 +53,24 @@ void checkReach(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometr
              what + " is farther away than the maps can reach");
 }
 
+/** Adds a reason if the match speaks against the guess: no pose near the guess lets the maps touch,
+ * or the pose lies outside of the search around the guess. */
+void compareWithGuess(const MapFeatures& b, const Eigen::Isometry3d& guess, bool has_bounds,
+                      const SearchParams& search, Alignment& result) {
+  if (search.translation <= 0 || search.isEverywhere()) return;
+  Evaluation& e = result.evaluation;
+  if (e.pairs == 0 && has_bounds)
+    return e.addReasonAgainst("the maps do not touch anywhere within the bounds of the guess");
+  const Eigen::Vector3d middle = meanOf(b.matched.voxels.centre);
+  const Eigen::Isometry3d& T = result.match.T_a_b;
+  const Eigen::Vector3d step = T * middle - guess * middle;
+  const double angle = Eigen::AngleAxisd(T.linear() * guess.linear().transpose()).angle();
+  const double largest_angle = std::min(search.yaw + search.levelling.max_tilt, M_PI);
+  if (step.head<2>().norm() <= 2 * search.translation && angle <= largest_angle) return;
+  e.addReasonAgainst(mrpt::format("the pose is %.1f m and %.0f deg from the guess", step.norm(),
+                                  angle * 180 / M_PI));
+}
+
 }  // namespace
 
 mrpt::poses::CPose3DPDFGaussian Alignment::pose() const {
@@ -92,9 +111,10 @@ Alignment align(const PreparedMap& map_a, const PreparedMap& map_b, const Prior&
   result.seconds_matching = secondsSince(clock);
 
   result.evaluation = judgeAndSearchWider(a, b, prior, within_prior, result.match);
+  compareWithGuess(b, guess, prior.statesCovariance(), within_prior.search, result);
   if (by_edges) {
     result.evaluation.accepted = result.evaluation.is_ambiguous = false;
-    result.evaluation.reasons.emplace_back(
+    result.evaluation.addReasonAgainst(
         "a match of edges alone estimates the pose; it cannot show that the maps may be merged");
   }
   result.seconds_evaluation = secondsSince(clock);

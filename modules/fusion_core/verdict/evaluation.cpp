@@ -6,65 +6,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <optional>
 #include <utility>
 
 #include "fusion_base/parallel.h"
 #include "fusion_base/whole_number.h"
 #include "fusion_core/map/occupancy_query.h"
 #include "fusion_core/registration/pose_covariance.h"
-#include "fusion_core/verdict/deviation_text.h"
+#include "fusion_core/verdict/reasons.h"
 
 namespace mrpt::fusion {
 namespace {
-
-/** Returns a pose as MRPT writes it, with a space before it; nothing for no pose. */
-std::string textOf(const std::optional<Eigen::Isometry3d>& T) {
-  if (!T) return "";
-  const Eigen::Matrix3d R = T->linear();
-  const double yaw = std::atan2(R(1, 0), R(0, 0)),
-               pitch = std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0))),
-               roll = std::atan2(R(2, 1), R(2, 2));
-  const auto& t = T->translation();
-  constexpr double kDegrees = 180 / M_PI;
-  char text[160];
-  std::snprintf(text, sizeof(text), " [%.2f %.2f %.2f %.1f %.1f %.1f]", t.x(), t.y(), t.z(),
-                kDegrees * yaw, kDegrees * pitch, kDegrees * roll);
-  return text;
-}
-
-std::string percent(double ratio) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.1f %%", 100 * ratio);
-  return text;
-}
-
-/** Voxel size above which the unit of a map is doubtful, m. */
-constexpr double kLeastDoubtfulVoxel = 10;
-
-std::string voxelText(const std::string& map, double resolution) {
-  char text[112];
-  std::snprintf(text, sizeof(text),
-                "the voxels of map %s are %.4g m wide: are its lengths in millimetres?",
-                map.c_str(), resolution);
-  return text;
-}
-
-bool differsInSize(const SizeRatio& ratio, const EvaluationParams& params) {
-  constexpr double kDeviations = 3;
-  return std::abs(std::log(ratio.value)) >
-         std::max(params.max_size_difference, kDeviations * ratio.deviation / ratio.value);
-}
-
-std::string sizeText(const SizeRatio& ratio) {
-  char text[128];
-  std::snprintf(text, sizeof(text),
-                "map B seems to be scaled by %.3f (standard deviation %.2g): do both maps have the "
-                "same unit?",
-                ratio.value, ratio.deviation);
-  return text;
-}
 
 /** Returns the number of voxels of \a size that hold a map's occupied voxels. Cost: O(n log n). */
 size_t countInVoxelsOf(double size, const OccupiedVoxels& voxels) {
@@ -183,63 +134,12 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
   if (lacks_support) e.rival_weight *= e.rival_support / params.min_rival_support;
   e.without_free_space = 0.5 * ((a.has_free_space ? 0 : 1) + (b.has_free_space ? 0 : 1));
 
-  e.accepted = true;
-  const auto judge = [&](bool good, const std::string& yes, const std::string& no) {
-    e.accepted = e.accepted && good;
-    e.reasons.push_back(good ? yes : no);
-  };
-  judge(e.overlap >= params.min_overlap, "overlap " + percent(e.overlap) + " is sufficient",
-        "overlap " + percent(e.overlap) + " is below " + percent(params.min_overlap));
-  judge(
-      !pairs.empty() && e.inlier_ratio > e.threshold,
-      "inlier ratio " + percent(e.inlier_ratio) + " is above its threshold " + percent(e.threshold),
-      "inlier ratio " + percent(e.inlier_ratio) + " is not above its threshold " +
-          percent(e.threshold));
-  const std::string missed = percent(e.free_space.missedRatio()) +
-                             " of the obstacles lie beside the other map's obstacles";
-  if (e.without_free_space >= 1) {
-    // A conflict ratio of 0 would read like evidence for the pose.
-    e.reasons.push_back("neither map has free space to show conflicts: " + missed);
-  } else if (!e.free_space.knowsConflicts()) {
-    e.reasons.push_back("no obstacle lies where the other map has free space");
-  } else {
-    const std::string conflicting =
-        percent(conflict) + " of the obstacles lie in the other map's free space, ";
-    const std::string of_one =
-        e.without_free_space > 0 ? "; one map has no free space: there " + missed : "";
-    judge(conflict <= params.max_free_conflict,
-          conflicting + "at most " + percent(params.max_free_conflict) + " are allowed" + of_one,
-          conflicting + "more than " + percent(params.max_free_conflict) + of_one);
-  }
   e.size_ratio = size_ratio;
-  if (differsInSize(size_ratio, params)) judge(false, "", sizeText(size_ratio));
-  for (const auto& [map, name] : {std::pair(&a, "A"), std::pair(&b, "B")})
-    if (map->voxels.resolution >= kLeastDoubtfulVoxel)
-      e.reasons.push_back(voxelText(name, map->voxels.resolution));
-  const bool has_rival = e.rival_weight > params.max_runner_up;
-  const bool is_well = e.accepted;
-  if (rival.ratio > 1) {
-    judge(!has_rival, "another pose" + textOf(rival.T_a_b) + " agrees slightly better",
-          "another pose" + textOf(rival.T_a_b) + " agrees better: this pose agrees only " +
-              percent(1 / rival.ratio) + " as well");
-  } else if (rival.ratio > 0) {
-    const std::string agrees =
-        "the second best pose" + textOf(rival.T_a_b) + " agrees " + percent(rival.ratio) +
-        " as well" +
-        (lacks_support ? " but confirms only " + percent(e.rival_support) + " as much, " : ", ");
-    judge(!has_rival, agrees + "at most " + percent(params.max_runner_up) + " is allowed",
-          agrees + "more than " + percent(params.max_runner_up));
-  }
   e.deviation = deviation;
   e.probability = probabilityWith(e.rival_weight);
-  e.is_ambiguous = is_well && has_rival && probabilityWith(0) >= params.min_probability;
-  if (stays < params.held_probability)
-    e.reasons.push_back("the shared surfaces do not fix the pose of map B: " + textOf(deviation));
-  if (params.min_probability > 0)
-    judge(e.probability >= params.min_probability,
-          "the pose is right with a probability of " + percent(e.probability),
-          "the pose is right with a probability of " + percent(e.probability) + ", below " +
-              percent(params.min_probability));
+  decide({a.voxels.resolution, b.voxels.resolution, rival.T_a_b, lacks_support, stays,
+          probabilityWith(0)},
+         params, e);
   return e;
 }
 

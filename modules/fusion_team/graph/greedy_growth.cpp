@@ -116,6 +116,7 @@ class Growth {
     same.evaluation.accepted = twin.joined;
     same.evaluation.is_ambiguous = false;
     same.evaluation.reasons = {"has the same voxels as the map of " + twin.robot};
+    same.evaluation.reasons_against = twin.joined ? 0 : 1;
     keep(std::move(same), copy, of);
     member.pose = twin.pose;
     if (twin.joined) join(copy);

@@ -4,8 +4,9 @@
 #include "fusion_team/graph/joint_verdict.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <utility>
+
+#include "fusion_base/percent_text.h"
 
 namespace mrpt::fusion {
 namespace {
@@ -87,12 +88,6 @@ void setParents(size_t first, std::vector<Link> links, std::vector<PlacedMap>& m
   }
 }
 
-std::string percent(double ratio) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.0f %%", 100 * ratio);
-  return text;
-}
-
 }  // namespace
 
 std::string listOf(const std::vector<size_t>& maps, const std::vector<std::string>& names) {
@@ -118,12 +113,14 @@ std::vector<PlacedMap> judgeTeam(const TeamSearchResult& result, const std::vect
     }
     m.areas = areasOf(k, result.best, evidence);
     if (m.runner_up > params.max_runner_up) {
-      say(k, "another place gains " + percent(std::min(m.runner_up, 9.99)) +
-                 " of what this place gains, more than " + percent(params.max_runner_up));
+      const double limit = params.max_runner_up;
+      say(k, "another place reaches " + percentBeside(limit, std::min(m.runner_up, 9.99)) +
+                 " of the gain of this place, more than " + percent(limit));
       clear.pose[k].reset();
     } else if (m.areas.conflictRatio() > params.max_conflict) {
-      say(k,
-          percent(m.areas.conflictRatio()) + " of the obstacles lie in free space of other maps");
+      say(k, percentBeside(params.max_conflict, m.areas.conflictRatio()) +
+                 " of the obstacles lie in free space of other maps, more than " +
+                 percent(params.max_conflict));
       clear.pose[k].reset();
     }
   }
@@ -160,7 +157,8 @@ std::vector<PlacedMap> judgeTeam(const TeamSearchResult& result, const std::vect
     say(k, "placed by " + listOf(m.ways_in, names));
     say(k, "the other maps confirm its place: " + percent(m.areas.conflictRatio()) +
                " of the obstacles lie in their free space");
-    say(k, m.runner_up > 0 ? "the next best place gains " + percent(m.runner_up) + " as much"
+    say(k, m.runner_up > 0 ? "the next best place reaches " + percent(m.runner_up) +
+                                 " of the gain of this place"
                            : "no other place agrees with the other maps");
   }
   return maps;

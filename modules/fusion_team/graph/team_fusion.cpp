@@ -129,6 +129,7 @@ PlacedTeam placeTeam(const std::vector<RobotMap>& maps, const Options& options,
     Evaluation& e = member.alignment.evaluation;
     e.accepted = p.placed;
     e.reasons = p.reasons;
+    e.reasons_against = p.placed ? 0 : e.reasons.size();
     for (const size_t other : groups.others[k]) member.fits.push_back(maps[other].robot);
     e.runner_up = p.runner_up;
     e.is_ambiguous = !p.placed && p.runner_up > params.max_runner_up;

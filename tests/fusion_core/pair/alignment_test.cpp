@@ -270,9 +270,35 @@ TEST_F(Aligning, EdgesAloneAreNeverAccepted) {
     EXPECT_TRUE(r.match.hasPairs());
     EXPECT_FALSE(r.evaluation.accepted);
     EXPECT_FALSE(r.evaluation.is_ambiguous);
-    ASSERT_FALSE(r.evaluation.reasons.empty());
-    EXPECT_NE(r.evaluation.reasons.back().find("edges alone"), std::string::npos);
+    ASSERT_GT(r.evaluation.reasons_against, 0U);
+    EXPECT_NE(r.evaluation.reasons[r.evaluation.reasons_against - 1].find("edges alone"),
+              std::string::npos);
   }
+}
+
+TEST_F(Aligning, SaysHowFarThePoseIsFromAWrongGuess) {
+  const auto allReasons = [&](const Prior& prior) {
+    std::string all;
+    for (const auto& reason : align(a(), b(), prior, {}).evaluation.reasons) all += reason + "\n";
+    return all;
+  };
+  const Prior wrong_guess = near(poseOf(40, 30, 0, 120));
+  EXPECT_NE(allReasons(wrong_guess).find(" m and 120 deg from the guess"), std::string::npos)
+      << allReasons(wrong_guess);
+  EXPECT_EQ(allReasons(near(poseOf(0.3, -0.2, 0, 4))).find("from the guess"), std::string::npos);
+}
+
+TEST_F(Aligning, SaysThatTheMapsDoNotTouchWithinTheBoundsOfAGuess) {
+  mrpt::poses::CPose3DPDFGaussian far(toPose(poseOf(300, 0, 0, 0) * truth));
+  far.cov.setDiagonal(6, 0.01);
+  const Evaluation e = align(a(), b(), far, {}).evaluation;
+  EXPECT_FALSE(e.accepted);
+  EXPECT_EQ(e.pairs, 0U);
+  std::string all;
+  for (const auto& reason : e.reasons) all += reason + "\n";
+  EXPECT_NE(all.find("do not touch anywhere within the bounds of the guess"), std::string::npos)
+      << all;
+  EXPECT_EQ(all.find("slides"), std::string::npos) << all;
 }
 
 TEST_F(Aligning, EdgesAloneCannotBeJudgedAtAPose) {

@@ -202,15 +202,17 @@ TEST(EvaluateMatch, ASecondPoseNearlyAsGoodMakesItAmbiguous) {
   EXPECT_TRUE(judged(0.51).is_ambiguous);
   EXPECT_EQ(judged(0.51).runner_up, 0.51);
   EXPECT_EQ(judged(0.51).reasons.size(), judged(0).reasons.size() + 1);
-  EXPECT_NE(reasonsOf(judged(0.51)).find("agrees 51.0 % as well, more than 50.0 %"),
-            std::string::npos);
+  EXPECT_NE(
+      reasonsOf(judged(0.51))
+          .find("another pose reaches 51.0 % of the agreement of this pose, more than 50.0 %"),
+      std::string::npos);
   const auto named = [&](double ratio) {
     const Rival rival{ratio, poseOf(1, 2, 3, 40)};
     return reasonsOf(evaluateMatch(c.a, c.b, {{0, 0, 0}}, c.T_a_b, c.params, rival));
   };
-  EXPECT_NE(named(0.51).find("the second best pose [1.00 2.00 3.00 40.0 "), std::string::npos);
+  EXPECT_NE(named(0.51).find("another pose [1.00 2.00 3.00 40.0 "), std::string::npos);
   EXPECT_NE(named(2).find("another pose [1.00 2.00 3.00 40.0 "), std::string::npos);
-  EXPECT_NE(named(2).find("this pose agrees only 50.0 % as well"), std::string::npos);
+  EXPECT_NE(named(2).find("this pose reaches only 50.0 % of its agreement"), std::string::npos);
   // No more if it would be rejected without that pose.
   const double alone = judged(0).probability;
   c.params.min_probability = alone;
@@ -236,7 +238,8 @@ TEST(EvaluateMatch, ARivalThatConfirmsNextToNothingCountsLess) {
   EXPECT_DOUBLE_EQ(e.rival_support, 0.1);
   EXPECT_DOUBLE_EQ(e.rival_weight, 0.45);
   EXPECT_TRUE(e.accepted);
-  EXPECT_NE(reasonsOf(e).find("agrees 90.0 % as well but confirms only 10.0 % as much, at most"),
+  EXPECT_NE(reasonsOf(e).find("It confirms only 10.0 % of the obstacles that this pose confirms, "
+                              "so it counts as 45.0 %, at"),
             std::string::npos)
       << reasonsOf(e);
   const Evaluation of_rival = judged(0.9, on_it);
@@ -286,6 +289,27 @@ TEST(EvaluateMatch, OverlapDoesNotHangOnTheSizesOfTheVoxels) {
   EXPECT_DOUBLE_EQ(overlap(fine_model, 100), 0.75);
 }
 
+TEST(EvaluateMatch, ReasonsAgainstThePoseComeFirst) {
+  Case c{wall(), wall()};
+  c.params.max_runner_up = 0.5;
+  const Evaluation e =
+      evaluateMatch(c.a, c.b, {{0, 0, 0}, {1, 1, 0}, {2, 2, 0}}, c.T_a_b, c.params, {0.6, {}});
+  ASSERT_EQ(e.reasons.size(), 4U) << reasonsOf(e);
+  ASSERT_EQ(e.reasons_against, 2U) << reasonsOf(e);
+  EXPECT_NE(e.reasons[0].find("neither map has free space"), std::string::npos) << reasonsOf(e);
+  EXPECT_NE(e.reasons[1].find("another pose"), std::string::npos) << reasonsOf(e);
+  EXPECT_NE(e.reasons[2].find("overlap"), std::string::npos) << reasonsOf(e);
+  EXPECT_EQ(c.with({{0, 0, 0}, {1, 1, 0}, {2, 2, 0}}).reasons_against, 1U);
+}
+
+TEST(EvaluateMatch, AFigureAndItsLimitReadDifferently) {
+  Case c{wall(), wall()};
+  c.params.max_runner_up = 0.75;
+  const Evaluation e =
+      evaluateMatch(c.a, c.b, {{0, 0, 0}, {1, 1, 0}}, c.T_a_b, c.params, {0.75004, {}});
+  EXPECT_NE(reasonsOf(e).find("reaches 75.004 % of"), std::string::npos) << reasonsOf(e);
+}
+
 TEST(EvaluateMatch, TooLittleOverlapIsRejectedHoweverGoodItLooks) {
   Case c{wall(), wall()};
   EXPECT_TRUE(c.withPairs(2, 0, 0).accepted);  // 2 %
@@ -301,6 +325,8 @@ TEST(EvaluateMatch, WithoutPairsIsRejected) {
   c.params.min_overlap = 0;
   const Evaluation e = c.with({});
   EXPECT_FALSE(e.accepted);
+  ASSERT_FALSE(e.reasons.empty());
+  EXPECT_EQ(e.reasons[0], "the maps do not touch at this pose");
   EXPECT_EQ(e.inlier_ratio, 0);
   EXPECT_EQ(e.log_likelihood, 0);
 }

@@ -130,7 +130,7 @@ TEST(JointVerdict, AMapWithARivalIsNotPlacedButClosesTheLoopOfTheOthers) {
   EXPECT_EQ(numberOf(maps), 3U);
   EXPECT_FALSE(maps[2].placed);
   ASSERT_FALSE(maps[2].reasons.empty());
-  EXPECT_NE(maps[2].reasons[0].find("another place gains 95 %"), std::string::npos)
+  EXPECT_NE(maps[2].reasons[0].find("another place reaches 95.0 % of the gain"), std::string::npos)
       << maps[2].reasons[0];
 }
 

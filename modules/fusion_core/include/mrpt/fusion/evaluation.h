@@ -155,7 +155,16 @@ struct Evaluation {
   double probability = 0;     ///< Probability that the pose is right, [0,1]
   /** True if the pose can be trusted. */
   bool accepted = false;
-  std::vector<std::string> reasons;  ///< Reasons of the verdict, one sentence each
+  /** Reasons of the verdict, one sentence each: first all reasons against the pose. */
+  std::vector<std::string> reasons;
+  size_t reasons_against = 0;  ///< Number of reasons against the pose, or of lacking evidence
+
+  /** Adds a reason behind the other reasons against the pose. */
+  void addReasonAgainst(const std::string& reason) {
+    reasons.insert(reasons.begin() + static_cast<std::ptrdiff_t>(reasons_against++), reason);
+  }
+  /** Adds a reason for the pose. */
+  void addReasonFor(const std::string& reason) { reasons.push_back(reason); }
 };
 
 /** Returns the square root of the exponent of eq. (24): |a - b| / sqrt(1/p_a + 1/p_b). The paper

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Tests of what the program says: files that it wrote, reasons of a rejection, hints. */
+
+#include <algorithm>
+#include <string>
+
+#include "run.h"
+
+namespace {
+
+class Messages : public AppTest {
+ protected:
+  bool says(const std::string& text, const std::string& part) const {
+    return text.find(part) != std::string::npos;
+  }
+  /** Runs a command that must fail by one line with a part. */
+  void expectLine(const std::string& arguments, int code, const std::string& part) const {
+    const auto r = mapFusion(arguments);
+    EXPECT_EQ(r.code, code) << arguments << "\n" << r.err;
+    EXPECT_TRUE(says(r.err, part)) << arguments << "\n" << r.err;
+    EXPECT_EQ(r.out, "") << arguments;
+  }
+  /** Options with which the maps do not touch. */
+  static std::string apart() { return " --init '[500 0 0 0 0 0]' --init-sigma 0.1 1"; }
+};
+
+TEST_F(Messages, NameTheWrittenFiles) {
+  const std::string fuse = "fuse " + both() + " -o fused.ot --pose-out T.txt --json r.json";
+  const auto first = mapFusion(fuse);
+  ASSERT_EQ(first.code, 0) << first.err;
+  EXPECT_TRUE(says(first.out,
+                   "written          T.txt\n                 fused.ot\n"
+                   "                 r.json\n"))
+      << first.out;
+  const auto second = mapFusion(fuse);
+  EXPECT_TRUE(says(second.out, "fused.ot (replaced)\n")) << second.out;
+  EXPECT_EQ(mapFusion(fuse + " -q").out, "");
+}
+
+TEST_F(Messages, DoNotNameAFileThatIsNotWritten) {
+  const auto r = mapFusion("fuse " + both() + apart() + " -o fused.ot --pose-out T.txt");
+  ASSERT_EQ(r.code, 3) << r.err;
+  EXPECT_FALSE(says(r.out, "fused.ot")) << r.out;
+  EXPECT_TRUE(says(r.out, "written          T.txt\n")) << r.out;
+  EXPECT_TRUE(says(r.err, "do not touch at this pose; nothing was merged")) << r.err;
+}
+
+TEST_F(Messages, OfARejectionAreOneLineWithQuiet) {
+  for (const std::string& command :
+       {"match " + both() + apart() + " -q", "evaluate " + both() + " --pose '[500 0 0 0 0 0]' -q",
+        "fuse " + both() + apart() + " -o fused.ot -q"}) {
+    const auto r = mapFusion(command);
+    EXPECT_EQ(r.code, 3) << command;
+    EXPECT_EQ(r.out, "") << command;
+    EXPECT_EQ(r.err.find("map-fusion: the match is rejected: the maps do not touch"), 0U) << r.err;
+    EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << r.err;
+  }
+  EXPECT_EQ(mapFusion("match " + both() + " -q").err, "");
+}
+
+TEST_F(Messages, GiveTheReasonsAgainstThePoseFirst) {
+  const auto r = mapFusion("match " + both() + apart());
+  const size_t against = r.out.find("                 - the maps do not touch");
+  ASSERT_NE(against, std::string::npos) << r.out;
+  EXPECT_GT(r.out.find("                 + "), against) << r.out;
+  EXPECT_FALSE(says(r.out, "slides")) << r.out;
+}
+
+TEST_F(Messages, HelpWithOutputsThatACommandDoesNotWrite) {
+  expectLine("match " + both() + " -o fused.ot", 2, "--pose-out writes the pose; fuse and merge");
+  expectLine("info " + pair("map_a.ot") + " --output x.ot", 2, "info has no option -o");
+  expectLine("edges " + pair("map_a.ot") + " -o edges.ot", 2, ".ply or .gridmap");
+  expectLine("pack " + both() + " -o team.bt", 2, ".rawlog");
+  EXPECT_FALSE(fs::exists(dir_ / "edges.ot"));
+}
+
+TEST_F(Messages, NameTheFormatOfAnUnknownExtension) {
+  const std::string move = "transform " + pair("map_a.ot") + " --pose '[1 0 0 0 0 0]' -q -o ";
+  const auto r = mapFusion(move + "moved.pcd");
+  EXPECT_EQ(r.code, 0);
+  EXPECT_TRUE(says(r.err, "moved.pcd: is written as an object of MRPT")) << r.err;
+  for (const std::string known : {"moved.ot", "moved.bt", "moved.gridmap", "moved.gz", "-"})
+    EXPECT_EQ(mapFusion(move + known).err, "") << known;
+}
+
+TEST_F(Messages, OfOneMapOrAMapTwiceAreUsageErrors) {
+  expectLine("fuse " + pair("map_a.ot") + " -o fused.ot", 2, "holds one map");
+  expectLine("match " + pair("map_a.ot"), 2, "");
+  expectLine("fuse " + both() + " " + pair("map_a.ot") + " -o fused.ot", 2, "is given twice");
+}
+
+TEST_F(Messages, NameAllRobotsInTheSameWay) {
+  for (const std::string folder : {"one", "two"}) {
+    fs::create_directory(dir_ / folder);
+    fs::copy(pair("map_a.ot"), dir_ / folder / "map_a.ot");
+  }
+  fs::copy(pair("map_b.ot"), dir_ / "two" / "map_b.ot");
+  ASSERT_EQ(mapFusion("pack one/map_a.ot two/map_a.ot two/map_b.ot -o team.rawlog").code, 0);
+  const std::string info = mapFusion("info team.rawlog").out;
+  for (const std::string name : {"one_map_a", "two_map_a", "two_map_b"})
+    EXPECT_TRUE(says(info, "  " + name + " ")) << info;
+}
+
+}  // namespace
