@@ -15,31 +15,38 @@ using Eigen::Isometry3d;
 
 struct Relation {
   const ComparedObstacles *of_i, *of_j;
+  bool is_sure;  // a sure match places the maps so
 };
 
 /** Returns the evidence of maps \a i and \a j at poses in one frame. */
 Relation relationOf(size_t i, const Isometry3d& T_i, size_t j, const Isometry3d& T_j,
                     const TeamEvidence& evidence) {
   if (i < j) {
-    const PairEvidence& e = evidence.near(i, j, T_i.inverse() * T_j);
-    return {&e.of_a, &e.of_b};
+    const Isometry3d T_i_j = T_i.inverse() * T_j;
+    const PairEvidence& e = evidence.near(i, j, T_i_j);
+    return {&e.of_a, &e.of_b, evidence.isSure(i, j, T_i_j)};
   }
-  const PairEvidence& e = evidence.near(j, i, T_j.inverse() * T_i);
-  return {&e.of_b, &e.of_a};
+  const Relation inverse = relationOf(j, T_j, i, T_i, evidence);
+  return {inverse.of_j, inverse.of_i, inverse.is_sure};
 }
 
 void unite(ObstacleSet& all, const ObstacleSet& more) {
   if (all.empty()) all.resize(more.size());
   for (size_t w = 0; w < more.size(); w++) all[w] |= more[w];
 }
-void unite(ComparedObstacles& all, const ComparedObstacles& more) {
+
+/** Obstacles of a map, compared with all other placed maps. */
+struct KnownObstacles : ComparedObstacles {
+  ObstacleSet explained;  // obstacles in the free space of a map with a sure match
+};
+void unite(KnownObstacles& all, const ComparedObstacles& more, bool is_sure) {
   unite(all.confirmed, more.confirmed);
-  unite(all.displaced, more.displaced);
-  unite(all.contradicted, more.contradicted);
+  unite(is_sure ? all.explained : all.displaced, more.displaced);
+  unite(is_sure ? all.explained : all.contradicted, more.contradicted);
 }
 
 /** What the placed maps know about each other, by map. */
-using Known = std::vector<ComparedObstacles>;
+using Known = std::vector<KnownObstacles>;
 
 Known knownOf(const Configuration& c, const TeamEvidence& evidence) {
   Known known(c.pose.size());
@@ -47,32 +54,33 @@ Known knownOf(const Configuration& c, const TeamEvidence& evidence) {
     for (size_t j = i + 1; j < c.pose.size(); j++)
       if (c.pose[i] && c.pose[j]) {
         const Relation r = relationOf(i, *c.pose[i], j, *c.pose[j], evidence);
-        unite(known[i], *r.of_i);
-        unite(known[j], *r.of_j);
+        unite(known[i], *r.of_i, r.is_sure);
+        unite(known[j], *r.of_j, r.is_sure);
       }
   return known;
 }
 
-double scoreOf(const ComparedObstacles& o, size_t map, const TeamEvidence& evidence) {
+double scoreOf(const KnownObstacles& o, size_t map, const TeamEvidence& evidence) {
   const ConflictTolerance tolerance = evidence.tolerance();
   return evidence.areaOfObstacle(map) *
          (countOf(o.confirmed) - countOf(o.displaced) / tolerance.displaced -
-          countOf(o.contradicted) / tolerance.contradicted);
+          countOf(o.contradicted) / tolerance.contradicted -
+          countOf(o.explained) / tolerance.explained);
 }
 
 /** Returns the increase of the score by a map. */
 double gainOf(size_t k, const Isometry3d& T, const Configuration& c, const Known& known,
               const TeamEvidence& evidence) {
   double gain = 0;
-  ComparedObstacles of_k;
+  KnownObstacles of_k;
   for (size_t i = 0; i < c.pose.size(); i++) {
     if (i == k || !c.pose[i]) continue;
     const Relation r = relationOf(i, *c.pose[i], k, T, evidence);
     if (r.of_i->confirmed.empty()) continue;
-    ComparedObstacles all = known[i];
-    unite(all, *r.of_i);
+    KnownObstacles all = known[i];
+    unite(all, *r.of_i, r.is_sure);
     gain += scoreOf(all, i, evidence) - scoreOf(known[i], i, evidence);
-    unite(of_k, *r.of_j);
+    unite(of_k, *r.of_j, r.is_sure);
   }
   return gain + scoreOf(of_k, k, evidence);
 }
@@ -176,18 +184,21 @@ void settle(Configuration& c, const TeamEvidence& evidence) {
 
 TeamAreas areasOf(size_t k, const Configuration& c, const TeamEvidence& evidence) {
   TeamAreas areas;
-  const auto add = [&](const ComparedObstacles& of_map, size_t map) {
+  const auto add = [&](const KnownObstacles& of_map, size_t map) {
     const double area = evidence.areaOfObstacle(map);
     areas.confirmed += area * countOf(of_map.confirmed);
     areas.displaced += area * countOf(of_map.displaced);
     areas.contradicted += area * countOf(of_map.contradicted);
+    areas.explained += area * countOf(of_map.explained);
   };
-  ComparedObstacles of_k;
+  KnownObstacles of_k;
   for (size_t i = 0; i < c.pose.size(); i++) {
     if (i == k || !c.pose[i]) continue;
     const Relation r = relationOf(i, *c.pose[i], k, *c.pose[k], evidence);
-    unite(of_k, *r.of_j);
-    add(*r.of_i, i);
+    unite(of_k, *r.of_j, r.is_sure);
+    KnownObstacles of_i;
+    unite(of_i, *r.of_i, r.is_sure);
+    add(of_i, i);
   }
   add(of_k, k);
   return areas;

@@ -15,19 +15,20 @@ struct TeamAreas {
   double confirmed = 0;     ///< Area that at least one other map confirms
   double displaced = 0;     ///< Area in the free space of another map, near its obstacles
   double contradicted = 0;  ///< Area in the free space of another map, away from its obstacles
+  double explained = 0;     ///< Area in the free space of another map, where a sure match places it
 
   double conflictRatio() const {
-    const double conflicts = displaced + contradicted, known = confirmed + conflicts;
+    const double conflicts = displaced + contradicted + explained, known = confirmed + conflicts;
     return known > 0 ? conflicts / known : 0;
   }
 };
 /** Returns the areas of map \a k, compared with all other placed maps, and of the other maps,
  * each compared with map \a k: conflicts show in both directions. */
 TeamAreas areasOf(size_t k, const Configuration& c, const TeamEvidence& evidence);
-/** Returns the score of a configuration: the confirmed area of all placed maps less the displaced
- * and the contradicted area, each over its TeamEvidence::tolerance(). Repeated rooms let many maps
- * lie on one another; a sum over pairs would prefer that pile, because it counts each surface as
- * often as maps see it. */
+/** Returns the score of a configuration: the confirmed area of all placed maps less the displaced,
+ * the contradicted and the explained area, each over its TeamEvidence::tolerance(). Repeated rooms
+ * let many maps lie on one another; a sum over pairs would prefer that pile, because it counts each
+ * surface as often as maps see it. */
 double scoreOf(const Configuration& c, const TeamEvidence& evidence);
 
 /** Returns the configuration of the two maps of a way, in the frame of map A. */

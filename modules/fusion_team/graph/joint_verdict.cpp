@@ -125,8 +125,7 @@ std::vector<PlacedMap> judgeTeam(const TeamSearchResult& result, const std::vect
     }
   }
 
-  const double least_probability =
-      1 - params.max_risk / static_cast<double>(std::max<size_t>(n, 2) - 1);
+  const double least_probability = params.leastSureProbability(n);
   // A map whose place is not clear closes loops of other maps at any of its places: rivals that
   // move the other maps with it are rivals of the other maps too.
   auto links = confirmedLinks(linksOf(result.best, ways, evidence), n, least_probability);

@@ -28,6 +28,12 @@ struct JointVerdictParams {
   /** Largest probability that a wrong pair without a loop is accepted, for all pairs of a map
    * together. */
   double max_risk = 0.15;
+
+  /** Least probability of a match of one pair that is sure without a loop, in a team of \a n maps.
+   */
+  double leastSureProbability(size_t n) const {
+    return 1 - max_risk / static_cast<double>(n > 2 ? n - 1 : 1);
+  }
 };
 
 /** The verdict on one map of a team. */

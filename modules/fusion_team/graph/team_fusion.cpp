@@ -92,16 +92,17 @@ PlacedTeam placeTeam(const std::vector<RobotMap>& maps, const Options& options,
   const std::vector<PairMatch> matches = matchPairs(maps, options, executor, on_member, memory);
 
   // 2. Graph: the poses in which pairs may lie, and what all pairs say of them.
+  JointVerdictParams params;
+  params.max_conflict = options.evaluation.max_free_conflict;
+  params.max_risk = 1 - options.evaluation.min_probability;
   EvidenceOfMaps evidence(maps, options, memory);
   evidence.adaptTolerance(matches);
+  evidence.setSureMatches(matches, params.leastSureProbability(maps.size()));
   const std::vector<Way> ways = waysOf(matches, evidence);
 
   // 3. Verdict: the maps whose place can be trusted.
   std::vector<std::string> names;
   for (const RobotMap& map : maps) names.push_back(map.robot);
-  JointVerdictParams params;
-  params.max_conflict = options.evaluation.max_free_conflict;
-  params.max_risk = 1 - options.evaluation.min_probability;
   const PlacedGroups groups = placeGroups(judged(ways, matches, evidence), evidence, names, params);
   const std::vector<PlacedMap>& placed = groups.maps;
 

@@ -26,6 +26,9 @@ struct Way {
 struct ConflictTolerance {
   double displaced;     ///< See ComparedObstacles::displaced
   double contradicted;  ///< See ComparedObstacles::contradicted
+  /** Of a pair at the pose of its sure match, see TeamEvidence::isSure(). The verdict on a pair
+   * refuses half of this share. */
+  double explained = 0.2;
 };
 
 /** Evidence of all pairs of a team, by the indices of both maps. Several threads may use it. */
@@ -38,6 +41,9 @@ class TeamEvidence {
   virtual const PairEvidence& near(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const = 0;
   /** True if two poses of map \a b in one frame are the same place. */
   virtual bool isSame(size_t b, const Eigen::Isometry3d& T, const Eigen::Isometry3d& U) const = 0;
+  /** True if a match of maps a < b is sure by itself and places map \a b there. The verdict on the
+   * pair has weighed the conflicts that the maps have at this place. */
+  virtual bool isSure(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const = 0;
   /** Area of each obstacle in the evidence of a map, m^2. */
   virtual double areaOfObstacle(size_t map) const = 0;
   /** Shares of conflicts at which confirmed obstacles count nothing. */

@@ -70,7 +70,7 @@ std::vector<PairMatch> matchPairs(const std::vector<RobotMap>& maps, const Optio
 
 EvidenceOfMaps::EvidenceOfMaps(const std::vector<RobotMap>& maps, const Options& options,
                                PairMemory& memory)
-    : maps_(maps), pairs_(maps.size()) {
+    : maps_(maps), pairs_(maps.size()), sure_(maps.size()) {
   double scale = 0;
   for (size_t a = 0; a < maps.size(); a++) {
     const MapFeatures& map = maps[a].map.features();
@@ -83,6 +83,7 @@ EvidenceOfMaps::EvidenceOfMaps(const std::vector<RobotMap>& maps, const Options&
     scale = std::max(scale, map.scale);
     for (size_t b = a + 1; b < maps.size(); b++)
       pairs_[a].push_back(memory.evidence(maps[a].map, maps[b].map, options));
+    sure_[a].resize(pairs_[a].size());
   }
   tolerance_ = options.evaluation.tolerance;
   tolerance_.translation *= scale;
@@ -101,10 +102,24 @@ void EvidenceOfMaps::adaptTolerance(const std::vector<PairMatch>& matches) {
     displaced.push_back(e.displaced() / known);
     contradicted.push_back(e.contradicted() / known);
   }
-  constexpr double kMost = 0.2;  // the verdict refuses half of this share of conflicts
+  const double most = conflict_tolerance_.explained;
   conflict_tolerance_ = {
-      std::clamp(kFactor * exceededBy(0.5, displaced), kLeastTolerance.displaced, kMost),
-      std::clamp(kFactor * exceededBy(0.1, contradicted), kLeastTolerance.contradicted, kMost)};
+      std::clamp(kFactor * exceededBy(0.5, displaced), kLeastTolerance.displaced, most),
+      std::clamp(kFactor * exceededBy(0.1, contradicted), kLeastTolerance.contradicted, most)};
+}
+
+void EvidenceOfMaps::setSureMatches(const std::vector<PairMatch>& matches,
+                                    double least_probability) {
+  for (const PairMatch& m : matches) {
+    const Evaluation& verdict = m.alignment.evaluation;
+    if (verdict.accepted && verdict.probability >= least_probability)
+      sure_[m.a][m.b - m.a - 1] = m.alignment.match.T_a_b;
+  }
+}
+
+bool EvidenceOfMaps::isSure(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const {
+  const auto& T = sure_[a][b - a - 1];
+  return T && isSame(b, T_a_b, *T);
 }
 
 const PairEvidence& EvidenceOfMaps::near(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const {

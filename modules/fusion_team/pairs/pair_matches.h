@@ -4,6 +4,7 @@
 #include <mrpt/fusion/many_maps.h>
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "fusion_team/graph/team_graph.h"
@@ -39,12 +40,15 @@ class EvidenceOfMaps : public TeamEvidence {
   size_t size() const override { return maps_.size(); }
   const PairEvidence& near(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const override;
   bool isSame(size_t b, const Eigen::Isometry3d& T, const Eigen::Isometry3d& U) const override;
+  bool isSure(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const override;
   double areaOfObstacle(size_t map) const override { return area_of_obstacle_[map]; }
   ConflictTolerance tolerance() const override { return conflict_tolerance_; }
   /** Sets the tolerance to a multiple of the shares of conflicts of the clear matches. The
    * tolerance of a place where nothing moves is the least; a fixed share is the largest. People who
    * walk are obstacles in one map and free space in another. */
   void adaptTolerance(const std::vector<PairMatch>& matches);
+  /** Sets the sure matches: accepted, with at least a probability. See isSure(). */
+  void setSureMatches(const std::vector<PairMatch>& matches, double least_probability);
 
  private:
   /** Where nothing moves, a right configuration has less than half of these shares of conflicts,
@@ -53,6 +57,7 @@ class EvidenceOfMaps : public TeamEvidence {
   const std::vector<RobotMap>& maps_;
   std::vector<double> area_of_obstacle_;
   std::vector<std::vector<std::shared_ptr<EvidenceOfPair>>> pairs_;  // by a and b - a - 1
+  std::vector<std::vector<std::optional<Eigen::Isometry3d>>> sure_;  // T_a_b, by a and b - a - 1
   std::vector<Eigen::Vector3d> middle_;
   PoseTolerance tolerance_;
   ConflictTolerance conflict_tolerance_ = kLeastTolerance;

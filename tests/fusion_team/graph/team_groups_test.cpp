@@ -31,6 +31,7 @@ class TwoPlaces : public TeamEvidence {
   bool isSame(size_t, const Isometry3d& T, const Isometry3d& U) const override {
     return (T.translation() - U.translation()).norm() < 0.6;
   }
+  bool isSure(size_t, size_t, const Isometry3d&) const override { return false; }
   double areaOfObstacle(size_t) const override { return 1; }
   ConflictTolerance tolerance() const override { return {0.5, 0.5}; }
   const PairEvidence& near(size_t a, size_t b, const Isometry3d& T) const override {

@@ -42,6 +42,7 @@ class Square : public TeamEvidence {
   bool isSame(size_t, const Isometry3d& T, const Isometry3d& U) const override {
     return (T.translation() - U.translation()).norm() < 0.6;
   }
+  bool isSure(size_t, size_t, const Isometry3d&) const override { return false; }
   double areaOfObstacle(size_t) const override { return 1; }
   ConflictTolerance tolerance() const override { return {0.03, 0.01}; }
   const PairEvidence& near(size_t a, size_t b, const Isometry3d& T) const override {
@@ -145,6 +146,28 @@ TEST(TeamScore, ContradictedObstaclesCountOverTheirTolerance) {
   EXPECT_NEAR(scoreOf(c, square), 64 - 16 / 0.01, 1e-9);
 }
 
+/** A square whose match of maps 0 and 2 is sure at a pose at which they contradict each other. */
+class SquareWithASureMatch : public Square {
+ public:
+  static Isometry3d pose() { return at(3, 1); }
+  bool isSure(size_t a, size_t b, const Isometry3d& T) const override {
+    return a == 0 && b == 2 && isSame(b, T, pose());
+  }
+};
+
+TEST(TeamScore, ASureMatchExplainsItsConflicts) {
+  const SquareWithASureMatch square;
+  Configuration c;
+  c.pose = {at(0, 0), std::nullopt, SquareWithASureMatch::pose(), std::nullopt};
+  const TeamAreas areas = areasOf(0, c, square);
+  EXPECT_EQ(areas.explained, 16);
+  EXPECT_EQ(areas.contradicted, 0);
+  EXPECT_EQ(areas.conflictRatio(), areasOf(0, c, Square()).conflictRatio());
+  EXPECT_NEAR(scoreOf(c, square), 64 - 16 / square.tolerance().explained, 1e-9);
+  c.pose[2] = at(6, 1);
+  EXPECT_EQ(areasOf(0, c, square).contradicted, 16) << "another place is not sure";
+}
+
 /** Maps that confirm each other at some places only. They do not meet anywhere else. */
 class Places : public TeamEvidence {
  public:
@@ -163,6 +186,7 @@ class Places : public TeamEvidence {
   bool isSame(size_t, const Isometry3d& T, const Isometry3d& U) const override {
     return (T.translation() - U.translation()).norm() < 0.6;
   }
+  bool isSure(size_t, size_t, const Isometry3d&) const override { return false; }
   double areaOfObstacle(size_t) const override { return 1; }
   ConflictTolerance tolerance() const override { return {0.03, 0.01}; }
   const PairEvidence& near(size_t a, size_t b, const Isometry3d& T) const override {
