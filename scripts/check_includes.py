@@ -12,7 +12,7 @@ from pathlib import Path
 
 BASE, OCTREE, MAP, FEATURES = "base", "octree", "map", "features"
 SEARCH, REGISTRATION, VERDICT, MERGE, PAIR = "search", "registration", "verdict", "merge", "pair"
-TEAM, REPORT, MAPS, FUSION, APPS, PYTHON = "team", "report", "maps", "fusion", "apps", "python"
+TEAM, LINK, REPORT, MAPS, FUSION, APPS, PYTHON = "team", "link", "report", "maps", "fusion", "apps", "python"
 
 # What each room may include, beside itself.
 ALLOWED = {
@@ -27,10 +27,11 @@ ALLOWED = {
 }
 ALLOWED[PAIR] = set(ALLOWED) | set()
 ALLOWED[TEAM] = ALLOWED[PAIR] | {PAIR}
+ALLOWED[LINK] = ALLOWED[TEAM] | {TEAM}
 ALLOWED[REPORT] = ALLOWED[TEAM] | {TEAM}
 ALLOWED[MAPS] = {BASE, OCTREE, MAP, FEATURES}
 ALLOWED[FUSION] = ALLOWED[TEAM] | {TEAM, MAPS}
-ALLOWED[APPS] = ALLOWED[FUSION] | {FUSION, REPORT}
+ALLOWED[APPS] = ALLOWED[FUSION] | {FUSION, LINK, REPORT}
 ALLOWED[PYTHON] = ALLOWED[FUSION] | {FUSION, REPORT}
 
 # Rooms of the public headers, by the room whose sources define what they declare.
@@ -67,6 +68,7 @@ FOLDERS = [
     *((f"modules/fusion_core/{room}/", room)
       for room in (MAP, FEATURES, SEARCH, REGISTRATION, VERDICT, MERGE, PAIR)),
     ("modules/fusion_team/", TEAM),
+    ("modules/fusion_link/", LINK),
     ("modules/fusion_report/", REPORT),
     ("modules/mrpt_fusion_maps/", MAPS),
     ("modules/mrpt_fusion/", FUSION),
@@ -77,7 +79,7 @@ FOLDERS = [
 # Headers of other projects that only some rooms may use.
 FOREIGN = [
     (re.compile(r"^mpi\.h"), set(), "MPI"),
-    (re.compile(r"^dds/"), set(), "DDS"),
+    (re.compile(r"^dds/"), {LINK}, "DDS"),
     (re.compile(r"^nlohmann/"), {REPORT, APPS, PYTHON}, "JSON"),
     (re.compile(r"^CLI/"), {APPS}, "CLI11"),
     (re.compile(r"^mrpt/(maps|obs|slam|opengl|viz|img)/"), {MAPS, FUSION, APPS, PYTHON},

@@ -218,11 +218,16 @@ class Unflattening {
     if (in.size() > 0) corruptStructure();
   }
 
-  void run() {
-    if (!masks_.empty()) visit(OcTreeAccess::createRoot(tree_), 0);
+  /** Returns whether there is no node. */
+  bool empty() const { return masks_.empty() && leaves_.empty(); }
+
+  /** Builds the nodes below a node. \return Number of nodes, with the node. */
+  size_t run(OcTreeNode* node, unsigned depth) {
+    if (!empty()) visit(node, depth);
     if (next_mask_ != masks_.size() || next_leaf_ != leaves_.size() ||
         next_exception_ != exceptions_.size())
       corruptStructure();
+    return next_node_;
   }
 
  private:
@@ -264,6 +269,13 @@ class Unflattening {
   size_t next_mask_ = 0, next_leaf_ = 0, next_exception_ = 0;
 };
 
+std::string unpackedParts(std::string_view bytes, size_t most_nodes) {
+  return unpacked(bytes, [&](std::string_view beginning) {
+    ByteReader in(beginning);
+    return takeCounts(in, most_nodes).mostBytes();
+  });
+}
+
 }  // namespace
 
 std::string compressNodes(const octomap::OcTree& tree, Packing packing) {
@@ -272,12 +284,24 @@ std::string compressNodes(const octomap::OcTree& tree, Packing packing) {
   return packed(flatten(parts), packing);
 }
 
+std::string compressNodes(const OcTreeNode& node, unsigned depth, Packing packing) {
+  Parts parts;
+  collect(&node, depth, parts);
+  return packed(flatten(parts), packing);
+}
+
 void decompressNodes(std::string_view bytes, octomap::OcTree& tree, size_t most_nodes) {
-  const std::string flat = unpacked(bytes, [&](std::string_view beginning) {
-    ByteReader in(beginning);
-    return takeCounts(in, most_nodes).mostBytes();
-  });
-  Unflattening(flat, tree, most_nodes).run();
+  const std::string flat = unpackedParts(bytes, most_nodes);
+  Unflattening parts(flat, tree, most_nodes);
+  parts.run(parts.empty() ? nullptr : OcTreeAccess::createRoot(tree), 0);
+}
+
+size_t decompressNodes(std::string_view bytes, octomap::OcTree& tree, OcTreeNode& node,
+                       unsigned depth, size_t most_nodes) {
+  const std::string flat = unpackedParts(bytes, most_nodes);
+  Unflattening parts(flat, tree, most_nodes);
+  if (parts.empty()) corrupt("the map's data is corrupt: it has no node");
+  return parts.run(&node, depth);
 }
 
 }  // namespace mrpt::fusion

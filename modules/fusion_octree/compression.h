@@ -27,6 +27,14 @@ namespace mrpt::fusion {
  * \exception std::length_error If the octree has more than kMostCompressedNodes nodes. */
 std::string compressNodes(const octomap::OcTree& tree, Packing packing = Packing::Fast);
 
+/** \overload
+ * Compresses a node of an octree and all nodes below it.
+ * \param[in] node The node.
+ * \param[in] depth Depth of the node.
+ * \param[in] packing How the bytes are packed. */
+std::string compressNodes(const octomap::OcTreeNode& node, unsigned depth,
+                          Packing packing = Packing::Fast);
+
 /** Largest number of nodes: 50 times the nodes of a large building at 0.1 m. */
 constexpr size_t kMostCompressedNodes = 50'000'000;
 
@@ -37,5 +45,17 @@ constexpr size_t kMostCompressedNodes = 50'000'000;
  * incomplete: discard it. */
 void decompressNodes(std::string_view bytes, octomap::OcTree& tree,
                      size_t most_nodes = kMostCompressedNodes);
+
+/** \overload
+ * Inverts compressNodes() of a node: sets the value of \a node and makes the nodes below it.
+ * \param[in] bytes The compressed nodes, at least one.
+ * \param[in,out] tree The octree of the node.
+ * \param[in,out] node A node without children.
+ * \param[in] depth Depth of the node.
+ * \param[in] most_nodes Largest number of nodes.
+ * \return Number of nodes, with \a node.
+ * \exception std::runtime_error As the other function, and if there is no node. */
+size_t decompressNodes(std::string_view bytes, octomap::OcTree& tree, octomap::OcTreeNode& node,
+                       unsigned depth, size_t most_nodes);
 
 }  // namespace mrpt::fusion
