@@ -12,6 +12,9 @@
 namespace mrpt::fusion {
 namespace {
 
+/** Number of low bits of a version that are the number of the run. The other bits count. */
+constexpr unsigned kRunBits = 16;
+
 size_t bytesOf(const MapBlocks& blocks) {
   size_t bytes = 0;
   for (const auto& block : blocks.blocks) bytes += block.second->size();
@@ -33,7 +36,8 @@ bool isSame(const Trunk& a, const Trunk& b) {
 
 }  // namespace
 
-SentMap::SentMap(const MapReplica& sent) : source_(sent.source()) {
+SentMap::SentMap(const MapReplica& sent, unsigned run)
+    : source_(sent.source()), run_(run & ((1U << kRunBits) - 1)) {
   if (sent.completeVersion() == 0) {
     index_.version = sent.highestVersion();  // what is new must be newer than what was sent
     return;
@@ -44,10 +48,16 @@ SentMap::SentMap(const MapReplica& sent) : source_(sent.source()) {
   if (sent.outline()) outlined_bytes_ = bytesOf(blocks_);
 }
 
+uint64_t SentMap::versionAfter(uint64_t version) const {
+  const uint64_t next = ((version >> kRunBits) + 1) << kRunBits | run_;
+  if (next > kMostVersion) throw std::runtime_error("the map has no further version");
+  return next;
+}
+
 std::vector<Sample> SentMap::update(std::shared_ptr<const octomap::OcTree> map) {
   MapBlocks blocks = divideIntoBlocks(*map, map_.get(), blocks_);
   bool is_same = map_ && isSame(blocks.trunk, blocks_.trunk);
-  const uint64_t version = index_.version + 1;
+  const uint64_t version = versionAfter(index_.version);
   std::map<BlockCode, uint64_t> versions;
   for (const auto& [code, bytes] : blocks.blocks) {
     const auto before = blocks_.blocks.find(code);
@@ -56,7 +66,6 @@ std::vector<Sample> SentMap::update(std::shared_ptr<const octomap::OcTree> map) 
     is_same = is_same && is_known;
   }
   if (is_same && blocks.blocks.size() == blocks_.blocks.size()) return {};
-  if (version > kMostVersion) throw std::runtime_error("the map has no further version");
   for (const auto& block : blocks_.blocks)
     if (blocks.blocks.count(block.first) == 0)
       obsolete_.push_back({source_, SampleKind::Block, block.first});
@@ -67,8 +76,7 @@ std::vector<Sample> SentMap::update(std::shared_ptr<const octomap::OcTree> map) 
 }
 
 std::vector<Sample> SentMap::continueAbove(uint64_t version) {
-  if (version >= kMostVersion) throw std::runtime_error("the map has no further version");
-  index_.version = version + 1;
+  index_.version = versionAfter(version);
   if (!map_) return {};
   for (auto& block : index_.blocks) block.second = index_.version;
   outlined_bytes_ = 0;

@@ -18,8 +18,10 @@ namespace mrpt::fusion {
 class SentMap {
  public:
   /** Continues after the samples that the robot has sent before it was restarted.
-   * \param[in] sent What the robot has of its own map; empty for a new robot. */
-  explicit SentMap(const MapReplica& sent);
+   * \param[in] sent What the robot has of its own map; empty for a new robot.
+   * \param[in] run Number of this run of the robot, at random. Two runs then have no version in
+   * common, also if the robot has lost its versions in between. */
+  explicit SentMap(const MapReplica& sent, unsigned run = 0);
 
   /** Returns the samples of the next version of the map: the blocks that have changed, the index
    * and, if the map has grown to twice its bytes, the outline. Index and outline come first. Empty
@@ -42,9 +44,11 @@ class SentMap {
   const std::shared_ptr<const octomap::OcTree>& map() const { return map_; }
 
  private:
+  uint64_t versionAfter(uint64_t version) const;
   std::vector<Sample> samplesSince(uint64_t version);
 
   SourceName source_;
+  uint64_t run_;
   std::shared_ptr<const octomap::OcTree> map_;
   MapBlocks blocks_;
   MapIndex index_;

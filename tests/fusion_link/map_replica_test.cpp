@@ -17,6 +17,7 @@ namespace mrpt::fusion::test {
 namespace {
 
 const SourceName kSource{"r1", ""};
+constexpr uint64_t kFirst = uint64_t{1} << 16U;  ///< First version of a robot in its run 0
 
 using Map = std::shared_ptr<const octomap::OcTree>;
 
@@ -64,7 +65,7 @@ TEST(MapReplica, IsCompleteWhenAllSamplesHaveArrivedInAnyOrderAndTwice) {
       EXPECT_FALSE(replica.add(samples[i]));
       EXPECT_FALSE(replica.add(samples[i / 2]));
     }
-    EXPECT_EQ(replica.completeVersion(), 1U);
+    EXPECT_EQ(replica.completeVersion(), 1 * kFirst);
     EXPECT_TRUE(replica.missing().empty());
     EXPECT_TRUE(sameTree(*map, *joinBlocks(*replica.blocks())));
   }
@@ -80,7 +81,7 @@ TEST(MapReplica, TheLatestVersionWinsInAnyOrder) {
     std::shuffle(samples.begin(), samples.end(), random);
     MapReplica replica(kSource);
     for (const Sample& s : samples) replica.add(s);
-    EXPECT_EQ(replica.completeVersion(), 4U);
+    EXPECT_EQ(replica.completeVersion(), 4 * kFirst);
     EXPECT_TRUE(sameTree(*growing(4), *joinBlocks(*replica.blocks())));
   }
 }
@@ -105,7 +106,7 @@ TEST(MapReplica, RestoresItselfFromItsSamples) {
   MapReplica replica(kSource), restored(kSource);
   for (const Sample& s : SentMap(replica).update(growing(2))) replica.add(s);
   for (const Sample& s : replica.samples()) restored.add(s);
-  EXPECT_EQ(restored.completeVersion(), 1U);
+  EXPECT_EQ(restored.completeVersion(), 1 * kFirst);
   EXPECT_EQ(restored.bytes(), replica.bytes());
   EXPECT_EQ(restored.outline(), replica.outline());
 }
@@ -116,7 +117,7 @@ TEST(MapReplica, ForgetsBlocksThatTheMapNoLongerHas) {
   for (const Sample& s : sent.update(growing(4))) replica.add(s);
   const size_t bytes = replica.bytes();
   for (const Sample& s : sent.update(growing(1))) replica.add(s);
-  EXPECT_EQ(replica.completeVersion(), 2U);
+  EXPECT_EQ(replica.completeVersion(), 2 * kFirst);
   EXPECT_LT(replica.bytes(), bytes / 2);
   EXPECT_FALSE(sent.takeObsolete().empty());
   EXPECT_TRUE(sent.takeObsolete().empty());
@@ -129,7 +130,7 @@ TEST(MapReplica, RefusesDamagedSamplesAndStaysAsItWas) {
   std::mt19937 random(3);
   for (int i = 0; i < 2000; i++) {
     Sample s = samples[random() % samples.size()];
-    s.version = random() % 2 ? 5 : std::numeric_limits<uint64_t>::max() - random() % 3;
+    s.version = random() % 2 ? 5 * kFirst : std::numeric_limits<uint64_t>::max() - random() % 3;
     switch (random() % 4) {
       case 0:
         s.bytes.resize(random() % (s.bytes.size() + 1));
@@ -171,7 +172,7 @@ TEST(SentMap, SendsNothingIfNothingChanged) {
   SentMap sent{MapReplica(kSource)};
   EXPECT_FALSE(sent.update(growing(2)).empty());
   EXPECT_TRUE(sent.update(growing(2)).empty());
-  EXPECT_EQ(sent.version(), 1U);
+  EXPECT_EQ(sent.version(), kFirst);
 }
 
 TEST(SentMap, SendsTheBlocksThatChanged) {
@@ -190,10 +191,10 @@ TEST(SentMap, ContinuesAfterARestart) {
   MapReplica own(kSource);
   for (const Sample& s : SentMap(own).update(growing(2))) own.add(s);
   SentMap restarted(own);
-  EXPECT_EQ(restarted.version(), 1U);
+  EXPECT_EQ(restarted.version(), kFirst);
   EXPECT_TRUE(restarted.update(growing(2)).empty());
   for (const Sample& s : restarted.update(growing(3))) own.add(s);
-  EXPECT_EQ(own.completeVersion(), 2U);
+  EXPECT_EQ(own.completeVersion(), 2 * kFirst);
 }
 
 TEST(SentMap, WithoutMemoryContinuesAboveTheVersionsOfOthers) {
@@ -201,12 +202,12 @@ TEST(SentMap, WithoutMemoryContinuesAboveTheVersionsOfOthers) {
   SentMap sent(others);
   for (int n = 1; n < 4; n++)
     for (const Sample& s : sent.update(growing(n))) others.add(s);
-  ASSERT_EQ(others.completeVersion(), 3U);
+  ASSERT_EQ(others.completeVersion(), 3 * kFirst);
   SentMap restarted{MapReplica(kSource)};
   for (const Sample& s : restarted.update(growing(2))) others.add(s);
-  EXPECT_EQ(others.completeVersion(), 3U);  // version 1 is old
+  EXPECT_EQ(others.completeVersion(), 3 * kFirst);  // version 1 is old
   for (const Sample& s : restarted.continueAbove(others.highestVersion())) others.add(s);
-  EXPECT_EQ(others.completeVersion(), 4U);
+  EXPECT_EQ(others.completeVersion(), 4 * kFirst);
   EXPECT_TRUE(sameTree(*growing(2), *joinBlocks(*others.blocks())));
   EXPECT_THROW(restarted.continueAbove(kMostVersion), std::runtime_error);
 }

@@ -15,13 +15,13 @@
 
 namespace mrpt::fusion {
 
-/** What a sample holds. */
+/** What a sample holds, in the order in which samples are sent. */
 enum class SampleKind : uint8_t {
+  Have,     ///< Versions of the maps that a robot has
+  Want,     ///< Blocks that a robot wants first
   Index,    ///< Piece of the list of the blocks of a map
   Outline,  ///< Piece of the outline of a map
-  Block,    ///< Block of a map
-  Have,     ///< Versions of the maps that a robot has completely
-  Want      ///< Blocks that a robot wants first
+  Block     ///< Block of a map
 };
 
 /** Identity of a sample: only the latest version of each key counts. */

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "fusion_link/journal.h"
+#include "fusion_link/map_replica.h"
+#include "fusion_link/outbox.h"
+#include "fusion_link/sent_map.h"
+#include "fusion_link/statements.h"
+#include "fusion_team/link/link.h"
+
+/** \file
+ * Exchanges the maps of a team over a link. */
+
+namespace mrpt::fusion {
+
+/** Bounds of what other robots can make a robot keep. */
+struct ExchangeLimits {
+  size_t maps = 64;                              ///< Number of maps
+  size_t bytes_of_map = MapReplica::kMostBytes;  ///< Bytes of the samples of one map
+  size_t bytes = 4 * MapReplica::kMostBytes;     ///< Bytes of the samples of all maps
+};
+
+/** One robot's part of the exchange: it sends what changes in the map of the robot, and collects
+ * the maps of the others. What it collects is in the journal before it is acknowledged.
+ *
+ * One thread uses an exchange at a time. */
+class TeamExchange {
+ public:
+  /** Continues where the journal ends.
+   * \param[in] robot Name of the robot, or of a station that has no map.
+   * \param[in] link The link; not owned, it must outlive the exchange.
+   * \param[in] journal_folder Folder of the journal. Empty: without a journal.
+   * \param[in] limits See ExchangeLimits.
+   * \exception std::runtime_error If the name is empty or too long, or see Journal. */
+  TeamExchange(std::string robot, Link& link, const std::string& journal_folder = {},
+               ExchangeLimits limits = {});
+
+  /** Sends the map of the robot, as far as it has changed.
+   * \param[in] map The map. It must not change afterwards. \exception std::exception See
+   * SentMap::update(). */
+  void publish(std::shared_ptr<const octomap::OcTree> map);
+  /** Asks for the blocks that the robot wants first. */
+  void want(const std::vector<WantedBlocks>& wanted);
+  /** Receives what has arrived, and sends what the link takes.
+   * \return True if a sample of a map was new.
+   * \exception std::runtime_error If the journal cannot be written. */
+  bool step();
+
+  /** Returns all maps, by their names. That of this robot is one of them; it may be empty. */
+  const std::map<SourceName, MapReplica>& maps() const { return maps_; }
+  /** Returns the number of samples that wait to be sent. */
+  size_t waiting() const { return outbox_.size(); }
+  /** Returns the versions that other robots have of this robot's map, by their names. */
+  const std::map<std::string, uint64_t>& acknowledged() const { return acknowledged_; }
+  /** Returns the number of samples that were refused. */
+  size_t refused() const { return refused_; }
+  /** Returns the reason of the first refusal since the last call; empty if there is none. */
+  std::string takeReason() { return std::exchange(reason_, {}); }
+
+ private:
+  bool receive(const Sample& sample);
+  bool keep(const Sample& sample);
+  void hear(const Sample& statement);
+  void send(const std::vector<Sample>& samples);
+  void state(SampleKind kind, std::string value);
+  void acknowledge();
+  size_t bytes() const;
+
+  SourceName own_;
+  Link& link_;
+  ExchangeLimits limits_;
+  std::map<SourceName, MapReplica> maps_;
+  std::unique_ptr<Journal> journal_;
+  std::unique_ptr<SentMap> sent_;  // never null after the construction
+  Outbox outbox_;
+  std::map<std::string, uint64_t> acknowledged_;
+  std::map<SampleKind, std::pair<uint64_t, std::string>> stated_;  // number and value
+  size_t refused_ = 0;
+  std::string reason_;
+};
+
+}  // namespace mrpt::fusion
