@@ -12,9 +12,11 @@ packages=(
   libeigen3-dev libceres-dev libtbb-dev libjemalloc-dev zlib1g-dev liblzma-dev libzstd-dev
   libpng-dev
   libcli11-dev nlohmann-json3-dev
+  cyclonedds-dev cyclonedds-tools   # map-fusion join: the link between robots
   libgtest-dev
   mrpt-apps mrpt-common             # tests: MRPT's programs, sample data
   doxygen                           # tests: every public symbol is documented
+  iproute2 nftables                 # tests: thin links that lose packets
   xvfb xauth imagemagick libgl1-mesa-dri # tests: windows and pictures of them, without a screen
 )
 for argument in "$@"; do

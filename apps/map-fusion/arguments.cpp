@@ -8,13 +8,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numeric>
-#include <utility>
 
 #include "fusion_base/printable.h"
+#include "fusion_link/dds_link.h"
 #include "fusion_octree/resolution.h"
 #include "output.h"
 #include "poses_out.h"
+#include "spelling.h"
 
 namespace map_fusion {
 
@@ -108,6 +108,9 @@ class CommandLine {
                     "are the indices of the maps in the order given, from 0")
         ->type_name("FILE.g2o")
         ->excludes(guess);
+    posesOut(sub);
+  }
+  void posesOut(CLI::App* sub) {
     sub->add_option("--poses-out", args_.poses_out,
                     "write the poses of all placed robots to FILE: .g2o, .graph (MRPT), .tum (time "
                     "is the index of the map) or .yaml")
@@ -119,6 +122,41 @@ class CommandLine {
                                              " does not end in .g2o, .graph, .tum or .yaml";
             },
             "FILE"));
+  }
+  void page(CLI::App* sub) {
+    sub->add_option(
+           "--report", args_.page,
+           "write a page: one HTML file with the maps in 3-D, the verdict and all figures, "
+           "for any browser, without network; - is standard output")
+        ->type_name("FILE.html");
+  }
+  void link(CLI::App* sub) {
+    sub->add_option("--robot", args_.robot, "name of this robot, unlike the names of all others")
+        ->required()
+        ->type_name("NAME");
+    sub->add_option("--map", args_.maps,
+                    "map of this robot, read again when it changes (default: none, as at a base "
+                    "station): .ot, .bt, MRPT-serialized, or a recording")
+        ->type_name("FILE")
+        ->expected(1);
+    sub->add_option("--domain", args_.domain, "robots of the same DDS domain meet")
+        ->check(CLI::Range(0U, mrpt::fusion::kMostDomain))
+        ->capture_default_str();
+    sub->add_option("--peer", args_.peers,
+                    "address of another robot; may be given several times. Without --peer, robots "
+                    "find each other by multicast")
+        ->type_name("ADDRESS")
+        ->allow_extra_args(false);
+    sub->add_option("--journal", args_.journal,
+                    "folder that keeps what has arrived, so that the robot continues after a crash")
+        ->type_name("DIR");
+    sub->add_option("--for", args_.seconds, "leave after a time, s (default: at SIGTERM or SIGINT)")
+        ->check(CLI::PositiveNumber);
+    sub->add_option("--until-complete", args_.until_complete,
+                    "leave when this robot has N whole maps, with its own, and N - 1 robots have "
+                    "the map of this robot")
+        ->type_name("N")
+        ->check(CLI::PositiveNumber);
   }
   void pose(CLI::App* sub, const std::string& what) {
     sub->add_option("--pose,--init", args_.pose, what + ": " + kPoseHelp)
@@ -132,11 +170,7 @@ class CommandLine {
                     "write both maps, their edges, the matched pairs and the fused map as a scene "
                     "for SceneViewer3D (exactly two maps)")
         ->type_name("FILE.3Dscene");
-    sub->add_option(
-           "--report", args_.page,
-           "write a page: one HTML file with the maps in 3-D, the verdict and all figures, "
-           "for any browser, without network; - is standard output")
-        ->type_name("FILE.html");
+    page(sub);
   }
   void policy(CLI::App* sub) {
     sub->add_option("--policy", args_.policy,
@@ -243,33 +277,20 @@ void addMapCommands(CommandLine& line, Arguments& args) {
   line.resolution(info, kRawHelp);
 }
 
-/** Returns the number of letters to insert, remove or replace that make one word of the other. */
-size_t editDistance(const std::string& a, const std::string& b) {
-  std::vector<size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), size_t{0});
-  for (size_t i = 1; i <= a.size(); i++) {
-    size_t diagonal = row[0];
-    row[0] = i;
-    for (size_t j = 1; j <= b.size(); j++) {
-      const size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
-    }
-  }
-  return row.back();
-}
-
-constexpr size_t kMostLetters = 40;  // letters of an unknown word that are compared and printed
-
-/** Returns the known word that is nearest to a word, and their editDistance(). */
-std::pair<std::string, size_t> nearestTo(const std::string& word,
-                                         const std::vector<std::string>& known) {
-  std::pair<std::string, size_t> nearest{{}, std::string::npos};
-  for (const std::string& other : known) {
-    const size_t distance = editDistance(word.substr(0, kMostLetters), other);
-    if (distance < nearest.second) nearest = {other, distance};
-  }
-  return nearest;
+void addTeamCommands(CommandLine& line, Arguments& args) {
+  auto* join = line.add("join",
+                        "Exchange maps with other robots over a thin link, and fuse them as they\n"
+                        "arrive. All robots get the same fused map, in the frame of the first\n"
+                        "robot by name",
+                        "map-fusion join --robot r1 --map live.ot --domain 7 -o fused.ot");
+  line.link(join);
+  line.resolution(join, kRawHelp);
+  join->add_option("-o,--output", args.output,
+                   "fused map, written when it changes: .ot, .bt, or MRPT-serialized")
+      ->type_name("FILE");
+  line.posesOut(join);
+  line.policy(join);
+  line.page(join);
 }
 
 /** \exception CLI::ValidationError If the first word of the arguments is not a command. It names
@@ -366,6 +387,7 @@ std::optional<ExitCode> parseArguments(int argc, char** argv, Arguments& args) {
   CommandLine line(app, args);
   addPairCommands(line, args);
   addMapCommands(line, args);
+  addTeamCommands(line, args);
   try {
     checkCommand(app, argc, argv);
     checkOptions(app, argc, argv);

@@ -30,15 +30,21 @@ struct Arguments {
   std::string config;              ///< Settings file; empty: defaults
   std::string section = "MappingApplication";  ///< Section of config with the map definition
   std::string policy;                          ///< Merge policy; empty: as in the settings
-  double resolution = 0;                       ///< Voxel size, m; 0: as in the input. Nodes
-                                               ///< without a header have no other voxel size
-  unsigned threads = 0;                        ///< Number of threads; 0: all cores
-  bool edges_only = false;                     ///< Write structural edges, not maps
-  bool independent = false;                    ///< Maps with the same sources all count
-  bool smallest = false;                       ///< Pack maps as small as possible
-  bool force = false;                          ///< Merge rejected matches, too
-  bool quiet = false;                          ///< Print neither summary nor progress
-  bool verbose = false;                        ///< Print each iteration
+  std::string robot;                           ///< Name of the robot that joins a team
+  unsigned domain = 0;                         ///< Number of the domain of the team
+  std::vector<std::string> peers;              ///< Addresses of other robots; empty: they are found
+  std::string journal;                         ///< Folder of the journal; empty: none
+  double seconds = 0;         ///< Time after which a robot leaves its team, s; 0: never
+  size_t until_complete = 0;  ///< Number of whole maps with which a robot leaves; 0: never
+  double resolution = 0;      ///< Voxel size, m; 0: as in the input. Nodes
+                              ///< without a header have no other voxel size
+  unsigned threads = 0;       ///< Number of threads; 0: all cores
+  bool edges_only = false;    ///< Write structural edges, not maps
+  bool independent = false;   ///< Maps with the same sources all count
+  bool smallest = false;      ///< Pack maps as small as possible
+  bool force = false;         ///< Merge rejected matches, too
+  bool quiet = false;         ///< Print neither summary nor progress
+  bool verbose = false;       ///< Print each iteration
 };
 
 /** Returns the output files of the arguments. */

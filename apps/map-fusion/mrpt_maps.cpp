@@ -4,13 +4,13 @@
 
 #include "mrpt_maps.h"
 
-#include <dlfcn.h>
 #include <sys/mman.h>
 
 #include <atomic>
 #include <new>
 #include <stdexcept>
-#include <string>
+
+#include "module.h"
 
 namespace map_fusion {
 
@@ -32,19 +32,6 @@ void requireAddresses(size_t bytes) {
   ::munmap(addresses, bytes);
 }
 
-/** Throws the reason why the module cannot be loaded. */
-[[noreturn]] void throwLoadError() {
-  const char* error = ::dlerror();
-  const std::string reason = error ? error : "cannot be loaded";
-  // The loader of the system has words, no error codes. "TLS" is a limit of the loader itself.
-  const auto says = [&](const char* words) { return reason.find(words) != std::string::npos; };
-  if ((says("failed to map segment") || says("cannot map") || says("annot allocate") ||
-       says("cannot create")) &&
-      !says("static TLS"))
-    throw std::bad_alloc();
-  throw std::runtime_error("MRPT's maps: " + reason);
-}
-
 }  // namespace
 
 const MrptMaps* loadedMrptMaps() noexcept { return loaded_maps.load(); }
@@ -52,10 +39,7 @@ const MrptMaps* loadedMrptMaps() noexcept { return loaded_maps.load(); }
 const MrptMaps& mrptMaps() {
   static const MrptMaps& maps = []() -> const MrptMaps& {
     requireAddresses(kModuleAddresses);
-    void* module =
-        ::dlopen(MRPT_MAPS_MODULE, RTLD_LAZY);  // searched in the run path of this program
-    void* entry = module ? ::dlsym(module, "mrptMapsOfModule") : nullptr;
-    if (!entry) throwLoadError();
+    void* entry = functionOfModule(MRPT_MAPS_MODULE, "mrptMapsOfModule", "MRPT's maps");
     const MrptMaps* loaded = reinterpret_cast<const MrptMaps* (*)()>(entry)();
     loaded_maps.store(loaded);
     return *loaded;

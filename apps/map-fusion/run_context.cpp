@@ -92,6 +92,10 @@ void RunContext::write(const std::string& path, const std::string& bytes) {
   wrote(path);
 }
 
+void RunContext::wrote(const std::string& path) {
+  if (std::find(written_.begin(), written_.end(), path) == written_.end()) written_.push_back(path);
+}
+
 void RunContext::endStep(const std::string& name) {
   auto& seconds = report.seconds;
   const double elapsed = clock_.Tac();
@@ -107,10 +111,14 @@ void RunContext::finish() {
   const bool is_stdout_taken = std::any_of(outputs.begin(), outputs.end(), isStandardOutput);
   std::ostream& summary = is_stdout_taken ? std::cerr : std::cout;
   if (!args.quiet) mrpt::fusion::print(report, summary);
+  saveReports();
+  if (!args.quiet) printWritten(summary);
+}
+
+void RunContext::saveReports() {
   if (!args.json.empty()) write(args.json, mrpt::fusion::toJson(report));
   if (!args.page.empty() && !page_scene.empty())
     write(args.page, mrpt::fusion::toPage(report, page_scene));
-  if (!args.quiet) printWritten(summary);
 }
 
 void RunContext::printWritten(std::ostream& out) const {

@@ -50,15 +50,17 @@ class RunContext {
   /** Writes an output file, see mrpt::fusion::writeFileAtomically(). */
   void write(const std::string& path, const std::string& bytes);
   /** Remembers that an output file is written: finish() says so. */
-  void wrote(const std::string& path) { written_.push_back(path); }
+  void wrote(const std::string& path);
 
   /** Starts to measure a step. */
   void startStep() { clock_.Tic(); }
   /** Adds the time since the last step to the report, and starts to measure the next step. */
   void endStep(const std::string& name);
 
-  /** Prints the report, and writes it as JSON and as a page if wanted. */
+  /** Prints the report, and writes it, see saveReports(). */
   void finish();
+  /** Writes the report as JSON and as a page if wanted. */
+  void saveReports();
 
  private:
   void loadConfig();

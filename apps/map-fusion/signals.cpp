@@ -31,6 +31,10 @@ extern "C" void endBySignal(int signal) {
   ::raise(signal);
 }
 
+volatile std::sig_atomic_t stop_wanted = 0;
+
+extern "C" void wantStop(int) { stop_wanted = 1; }
+
 std::terminate_handler usual_end = nullptr;
 
 [[noreturn]] void endByException() {
@@ -50,6 +54,14 @@ std::terminate_handler usual_end = nullptr;
 }  // namespace
 
 void handleLackOfMemory() { usual_end = std::set_terminate(endByException); }
+
+void stopAtSignals() {
+  struct sigaction action {};
+  action.sa_handler = wantStop;
+  for (const int number : {SIGINT, SIGTERM}) ::sigaction(number, &action, nullptr);
+}
+
+bool stopWanted() { return stop_wanted != 0; }
 
 void handleSignals() {
   ::signal(SIGXFSZ, SIG_IGN);

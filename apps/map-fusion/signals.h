@@ -11,6 +11,11 @@ namespace map_fusion {
  * program ignores stay ignored. */
 void handleSignals();
 
+/** Makes SIGINT and SIGTERM end the run in order: they only set what stopWanted() returns. */
+void stopAtSignals();
+/** Returns whether one of these signals has come. */
+bool stopWanted();
+
 /** Makes std::bad_alloc end the program as a failure, with one line, where no function can catch
  * it: in constructors of libraries that are being loaded, and in functions that must not throw. */
 void handleLackOfMemory();

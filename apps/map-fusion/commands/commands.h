@@ -22,6 +22,7 @@ bool runTransform(RunContext& run);  ///< Moves a map to another frame
 bool runBuild(RunContext& run);      ///< Builds a map from a recording
 bool runPack(RunContext& run);       ///< Writes the maps of several robots to a rawlog
 bool runInfo(RunContext& run);       ///< Reports the contents of a map
+bool runJoin(RunContext& run);       ///< Exchanges and fuses maps with other robots over a link
 bool runView(RunContext& run);       ///< Shows a map or a page in the browser
 
 }  // namespace map_fusion
