@@ -34,6 +34,9 @@ ALLOWED[FUSION] = ALLOWED[TEAM] | {TEAM, MAPS}
 ALLOWED[APPS] = ALLOWED[FUSION] | {FUSION, LINK, REPORT}
 ALLOWED[PYTHON] = ALLOWED[FUSION] | {FUSION, REPORT}
 
+# Python binds public headers. It shows pages and errors as the command line does.
+PRIVATE_OF_PYTHON = {BASE, REPORT}
+
 # Rooms of the public headers, by the room whose sources define what they declare.
 PUBLIC = {
     "mrpt/fusion/export.h": BASE,
@@ -126,6 +129,8 @@ def check(root):
             if included is not None:
                 if included != room and included not in ALLOWED[room]:
                     faults.append(f"{path}:{number}: {room} must not include {included} ({name})")
+                if room == PYTHON and name not in PUBLIC and included not in PRIVATE_OF_PYTHON:
+                    faults.append(f"{path}:{number}: python includes the private {name}")
                 if "/include/" in path and name not in PUBLIC:
                     faults.append(f"{path}:{number}: a public header includes the private {name}")
                 continue

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# install_dependencies.sh [--benchmark] [--ci]: installs the Debian 12 packages that building, testing and
-# the demo need. --benchmark adds what the benchmark needs, --ci adds clang and what its sanitizers,
-# fuzzers and linters need. Does nothing, and needs no rights, when they are all there.
+# install_dependencies.sh [--benchmark] [--ci] [--packages]: installs the Debian 12 packages that building,
+# testing and the demo need. --benchmark adds what the benchmark needs, --ci adds clang and what its
+# sanitizers, fuzzers and linters need, --packages adds what builds and checks Debian packages. Does
+# nothing, and needs no rights, when they are all there.
 set -euo pipefail
 
 packages=(
@@ -13,7 +14,8 @@ packages=(
   libpng-dev
   libcli11-dev nlohmann-json3-dev
   cyclonedds-dev cyclonedds-tools   # map-fusion join: the link between robots
-  libgtest-dev
+  pybind11-dev python3-dev python3-numpy # the Python module
+  libgtest-dev python3-pytest mypy man-db
   mrpt-apps mrpt-common             # tests: MRPT's programs, sample data
   doxygen                           # tests: every public symbol is documented
   iproute2 nftables                 # tests: thin links that lose packets
@@ -21,15 +23,16 @@ packages=(
 )
 for argument in "$@"; do
   case $argument in
-    --benchmark) packages+=(libpcl-dev libbenchmark-dev python3 python3-matplotlib python3-numpy) ;;
+    --benchmark) packages+=(libpcl-dev libbenchmark-dev python3-matplotlib) ;;
     --ci)
       packages+=(
         clang libclang-rt-14-dev llvm # sanitizers, libFuzzer, names of functions in their reports
-        clang-format clang-tidy git python3
+        clang-format clang-tidy git
         chromium                      # tests: pages in a browser
         dpkg-dev                      # the source of TBB, which ThreadSanitizer needs
       )
       ;;
+    --packages) packages+=(debhelper dh-python dpkg-dev fakeroot git lintian xz-utils) ;;
     *) echo "install_dependencies.sh: no option $argument" >&2; exit 2 ;;
   esac
 done

@@ -12,7 +12,6 @@
 #include <tbb/parallel_invoke.h>
 #include <tbb/task_group.h>
 
-#include <algorithm>
 #include <iostream>
 #include <optional>
 #include <utility>
@@ -41,14 +40,9 @@ mrpt::fusion::Prior priorOf(const RunContext& run, const MapPair& pair) {
   const auto& sigma = run.args.init_sigma;
   if (pair.prior) return *pair.prior;
   if (!run.report.initial_pose) return Prior::none();
-  if (sigma.empty()) return Prior::near(*run.report.initial_pose);
-  mrpt::poses::CPose3DPDFGaussian guess(*run.report.initial_pose);
-  constexpr double kLeastSigma = 1e-3;  // m; a zero covariance would mean an unknown quality
-  const double metres = std::max(sigma[0], kLeastSigma);
-  const double yaw = mrpt::DEG2RAD(sigma[1]);
-  for (int i = 0; i < 3; i++) guess.cov(i, i) = metres * metres;
-  guess.cov(3, 3) = yaw * yaw;
-  return Prior::gaussian(guess);
+  const auto& guess = *run.report.initial_pose;
+  return sigma.empty() ? Prior::near(guess)
+                       : Prior::within(guess, sigma[0], mrpt::DEG2RAD(sigma[1]));
 }
 
 /** True if a rejected match without a guess would be accepted with --full-6dof. Cameras look along

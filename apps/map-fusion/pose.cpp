@@ -6,7 +6,7 @@
 
 #include <mrpt/fusion/poses.h>
 
-#include <Eigen/SVD>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -45,20 +45,8 @@ std::vector<double> parseNumbers(const std::string& text, size_t count, const st
 
 mrpt::poses::CPose3D parseMatrix(const std::string& text) {
   const auto v = parseNumbers(text, 16, "a 4x4 matrix");
-  const Eigen::Matrix4d M =
-      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(v.data());
-  constexpr double kTolerance = 1e-3;
-  const Eigen::Matrix3d R = M.topLeftCorner<3, 3>();
-  const bool is_rotation =
-      (R.transpose() * R - Eigen::Matrix3d::Identity()).norm() < kTolerance && R.determinant() > 0;
-  const bool is_affine = (M.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() < kTolerance;
-  if (!is_rotation || !is_affine)
-    throw std::runtime_error("the 4x4 matrix is not a rigid transform");
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = svd.matrixU() * svd.matrixV().transpose();
-  T.translation() = M.topRightCorner<3, 1>();
-  return mrpt::fusion::toPose(T);
+  return mrpt::fusion::toPose(mrpt::fusion::toRigid(
+      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(v.data())));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "fusion_base/error_text.h"
 #include "fusion_base/files.h"
@@ -21,6 +22,17 @@ void CProbOctoMap::loadFromOcTreeFile(const std::string& path) {
 }
 
 void CProbOctoMap::saveToOcTreeFile(const std::string& path) const { saveOcTree(*m_octree, path); }
+
+void CProbOctoMap::loadFromOcTreeBytes(std::string_view bytes, double resolution) {
+  auto tree = isOcTreeFile(bytes) || resolution <= 0 ? parseOcTreeFile(bytes)
+                                                     : parseRawOcTree(bytes, resolution);
+  if (!tree) throw std::runtime_error("the bytes are not the nodes of an octree");
+  setOctree(std::move(tree));
+}
+
+std::string CProbOctoMap::toOtBytes() const { return toOtFile(*m_octree); }
+
+std::string CProbOctoMap::toBtBytes() const { return toBtFile(*m_octree); }
 
 void CProbOctoMap::saveMetricMapRepresentationToFile(const std::string& filNamePrefix) const {
   Scene scene;

@@ -189,6 +189,28 @@ TEST(ProbOctoMapFiles, LoadingGoesByContentAndTakesTheSensorModel) {
   EXPECT_EQ(4, loaded.insertionOptions.maxrange);
 }
 
+TEST(ProbOctoMapFiles, BytesAreThoseOfFiles) {
+  const TempDir dir;
+  const CProbOctoMap map(sceneTree(0.1, 8));
+  map.saveToOcTreeFile(dir.path("map.ot"));
+  map.saveToOcTreeFile(dir.path("map.bt"));
+  EXPECT_EQ(readRaw(dir.path("map.ot")), map.toOtBytes());
+  EXPECT_EQ(readRaw(dir.path("map.bt")), map.toBtBytes());
+  CProbOctoMap loaded(0.5);
+  loaded.loadFromOcTreeBytes(map.toOtBytes());
+  EXPECT_TRUE(sameTree(map.octree(), loaded.octree()));
+
+  const std::string file = map.toOtBytes(), nodes = file.substr(file.find("data\n") + 5);
+  CProbOctoMap of_nodes;
+  of_nodes.loadFromOcTreeBytes(nodes, 0.1);
+  EXPECT_TRUE(sameNodes(nodesOf(map.octree()), nodesOf(of_nodes.octree())));
+  for (const std::string& bad : {nodes, std::string(), file.substr(0, file.size() / 2)}) {
+    EXPECT_THROW(loaded.loadFromOcTreeBytes(bad), std::runtime_error);
+    EXPECT_TRUE(sameTree(map.octree(), loaded.octree())) << "as before";
+  }
+  EXPECT_THROW(loaded.loadFromOcTreeBytes(nodes + "x", 0.1), std::runtime_error);
+}
+
 TEST(ProbOctoMapFiles, AFileThatCannotBeReadOrWrittenIsNamedInTheError) {
   const TempDir dir;
   CProbOctoMap map(sceneTree(0.1, 8));

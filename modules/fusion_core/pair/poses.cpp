@@ -5,8 +5,10 @@
 #include <mrpt/core/format.h>
 #include <mrpt/fusion/poses.h>
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "fusion_core/registration/normal_equations.h"
 
@@ -22,6 +24,23 @@ Eigen::Isometry3d mrpt::fusion::toEigen(const CPose3D& pose) {
 
 CPose3D mrpt::fusion::toPose(const Eigen::Isometry3d& T) {
   return CPose3D(mrpt::math::CMatrixDouble44(Eigen::Matrix4d(T.matrix())));
+}
+
+Eigen::Isometry3d mrpt::fusion::toRigid(const Eigen::Matrix4d& matrix) {
+  constexpr double kTolerance = 1e-3, kRounded = 1e-13;
+  const Eigen::Matrix3d R = matrix.topLeftCorner<3, 3>();
+  const double error = (R.transpose() * R - Eigen::Matrix3d::Identity()).norm();
+  const bool is_rotation = error < kTolerance && R.determinant() > 0;
+  const bool is_affine = (matrix.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() < kTolerance;
+  if (!is_rotation || !is_affine || !matrix.allFinite())
+    throw std::runtime_error("the 4x4 matrix is not a rigid transform");
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation() = matrix.topRightCorner<3, 1>();
+  T.linear() = R;
+  if (error < kRounded) return T;
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  T.linear() = svd.matrixU() * svd.matrixV().transpose();
+  return T;
 }
 
 namespace {
@@ -82,6 +101,17 @@ Prior Prior::none() { return {noGuess(), Checked()}; }
 Prior Prior::near(const CPose3D& guess) {
   checkGuess(guess);
   return {mrpt::poses::CPose3DPDFGaussian(guess), Checked()};
+}
+
+Prior Prior::within(const CPose3D& guess, double position, double heading) {
+  ASSERTMSG_(position >= 0 && heading >= 0,
+             "a standard deviation of the initial guess is negative or not a number");
+  constexpr double kLeast = 1e-3;  // m; a zero covariance would mean an unknown quality
+  const double metres = std::max(position, kLeast);
+  mrpt::poses::CPose3DPDFGaussian pdf(guess);
+  for (int i = 0; i < 3; i++) pdf.cov(i, i) = metres * metres;
+  pdf.cov(3, 3) = heading * heading;
+  return gaussian(pdf);
 }
 
 Prior Prior::gaussian(const mrpt::poses::CPose3DPDFGaussian& guess) {

@@ -31,6 +31,29 @@ TEST(Poses, ComeBackFromMrpt) {
     EXPECT_TRUE(toEigen(toPose(T)).isApprox(T, 1e-12)) << T.matrix();
 }
 
+TEST(Poses, OfMatricesKeepTheirBitsOrGetTheNearestRotation) {
+  for (const Eigen::Isometry3d& T : manyPoses()) {
+    EXPECT_EQ(toRigid(T.matrix()).matrix(), T.matrix());
+    Eigen::Matrix4d rounded = (T.matrix() * 1e4).array().round() / 1e4;
+    const Eigen::Isometry3d nearest = toRigid(rounded);
+    EXPECT_TRUE(nearest.isApprox(T, 1e-4));
+    EXPECT_LT(
+        (nearest.linear().transpose() * nearest.linear() - Eigen::Matrix3d::Identity()).norm(),
+        1e-12);
+  }
+}
+
+TEST(Poses, OfMatricesThatAreNotRigidAreRefused) {
+  const Eigen::Matrix4d good = Eigen::Matrix4d::Identity();
+  std::vector<Eigen::Matrix4d> bad(5, good);
+  bad[0] *= 2;
+  bad[1](2, 2) = -1;  // a mirror image
+  bad[2](3, 0) = 1;
+  bad[3](0, 3) = std::numeric_limits<double>::infinity();
+  bad[4](1, 1) = std::numeric_limits<double>::quiet_NaN();
+  for (const auto& matrix : bad) EXPECT_THROW(toRigid(matrix), std::runtime_error) << matrix;
+}
+
 TEST(Poses, AreThoseOfMrptsAngles) {
   const Eigen::Isometry3d T = toEigen(CPose3D(1, 2, 3, 40 * kDegree, -20 * kDegree, 110 * kDegree));
   EXPECT_TRUE(T.isApprox(poseOf(1, 2, 3, 40, -20, 110), 1e-12));
@@ -146,6 +169,20 @@ TEST(Prior, RefusesACovarianceThatIsNone) {
   CPose3DPDFGaussian guess = gaussianOf(1, 1, 1, 1);
   guess.cov(0, 5) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(Prior::gaussian(guess), std::exception) << "off the diagonal";
+}
+
+TEST(Prior, WithinDeviationsSearchesThreeOfThem) {
+  const Prior prior = Prior::within(CPose3D(1, 2, 0, 0.5, 0, 0), 0.5, 0.1);
+  const SearchParams search = prior.searchWithin(SearchParams());
+  EXPECT_NEAR(search.translation, 1.5, 1e-12);
+  EXPECT_NEAR(search.height, 1.5, 1e-12);
+  EXPECT_NEAR(search.yaw, 0.3, 1e-12);
+  EXPECT_TRUE(Prior::within(CPose3D(), 0, 0).statesCovariance());
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double bad : {-0.1, nan}) {
+    EXPECT_THROW(Prior::within(CPose3D(), bad, 0.1), std::exception);
+    EXPECT_THROW(Prior::within(CPose3D(), 1, bad), std::exception);
+  }
 }
 
 TEST(Prior, RefusesAGuessOutOfRange) {

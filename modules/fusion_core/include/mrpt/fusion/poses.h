@@ -19,6 +19,12 @@ MRPT_FUSION_API Eigen::Isometry3d toEigen(const mrpt::poses::CPose3D& pose);
 /** Converts a pose from Eigen to MRPT, m. */
 MRPT_FUSION_API mrpt::poses::CPose3D toPose(const Eigen::Isometry3d& T);
 
+/** Returns the pose of a 4x4 matrix from outside, m. The nearest rotation replaces a rotation that
+ * is rounded.
+ * \exception std::runtime_error If a number is not finite or the matrix is not a rigid transform to
+ * within 1e-3. */
+MRPT_FUSION_API Eigen::Isometry3d toRigid(const Eigen::Matrix4d& matrix);
+
 /** Converts the covariance of a left perturbation of T (translation, rotation; A's frame) to MRPT's
  * covariance of (x, y, z, yaw, pitch, roll). The result is singular at pitch = +-90 deg, like these
  * angles. */
@@ -47,6 +53,10 @@ class MRPT_FUSION_API Prior {
    * \exception std::exception If a number of the guess is not finite or a coordinate is above
    * kMostCoordinate. */
   static Prior near(const mrpt::poses::CPose3D& guess);
+  /** Returns the prior of a guess with the standard deviations of its position (m) and of its
+   * heading (rad), as gaussian(). \exception std::exception As gaussian(), or if a deviation is
+   * negative. */
+  static Prior within(const mrpt::poses::CPose3D& guess, double position, double heading);
   /** A guess and how good it is: the search goes kSearchSigmas standard deviations far in position,
    * height and yaw; everywhere if that is kUnknownPoseSigma or more; as near() if the covariance is
    * zero. \exception std::exception As near(), or if the covariance is not finite or has a negative

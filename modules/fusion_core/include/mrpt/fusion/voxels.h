@@ -6,10 +6,12 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 /** \file
- * The occupied voxels of a map: the paper's input. Counts and entropies of the voxels. */
+ * The occupied voxels of a map: the paper's input. The known space of a map as cubes. Counts and
+ * entropies of the voxels. */
 
 namespace mrpt::fusion {
 
@@ -37,6 +39,40 @@ struct OccupiedVoxels {
  * million and 64 per node: a tiny file can hold leaves with billions of voxels. */
 MRPT_FUSION_API OccupiedVoxels extractOccupiedVoxels(const octomap::OcTree& map,
                                                      size_t max_voxels = kMaxVoxels);
+
+/** Parts of the known space of a map. */
+enum class KnownSpace {
+  Occupied,  ///< Probability at least the octree's occupancy threshold
+  Free,      ///< Probability below the threshold
+  All        ///< Occupied and free space
+};
+
+/** Known space of a map as cubes that do not overlap, as parallel arrays. A cube is a leaf of an
+ * octree: its size is the resolution times a power of 2. */
+struct Cubes {
+  double resolution = 0;                ///< Voxel size, m
+  std::vector<Eigen::Vector3f> centre;  ///< Centres, m, map frame
+  std::vector<float> log_odds;          ///< Log-odds
+  std::vector<float> size;              ///< Lengths of the sides, m
+
+  size_t count() const { return centre.size(); }  ///< Number of cubes
+};
+
+/** Returns the leaves of a map, in the order of the octree. The result does not depend on the
+ * number of threads. Cost: one traversal, in parallel.
+ * \param[in] map An octree.
+ * \param[in] part Part of the known space. */
+MRPT_FUSION_API Cubes cubesOf(const octomap::OcTree& map, KnownSpace part = KnownSpace::All);
+
+/** Inverts cubesOf(). Log-odds are kept bit for bit, without clamping. Equal siblings are pruned.
+ * The sensor model is that of a new octomap::OcTree. Cost: O(n log n).
+ * \param[in] cubes Cubes in any order. A cube is the cube of the octree that holds its centre. No
+ * sizes: all cubes are voxels.
+ * \exception std::invalid_argument If the arrays have different sizes, a number is not finite, a
+ * size is not the resolution times a power of 2 from 1 to 65536, a cube is outside the grid of an
+ * octree (32768 voxels from the origin), or cubes overlap. The message names the first cube.
+ * \exception std::runtime_error If the resolution is not in [1e-4, 1e6] m. */
+MRPT_FUSION_API std::unique_ptr<octomap::OcTree> octreeOf(const Cubes& cubes);
 
 /** Settings of the scale of a map: the factor of all lengths in the options. The default lengths
  * fit buildings at voxels of 5 to 20 cm, where the factor is 1. It is larger for larger voxels, and

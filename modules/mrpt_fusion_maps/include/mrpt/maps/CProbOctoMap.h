@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace mrpt::fusion {
@@ -262,6 +263,16 @@ class MRPT_FUSION_API CProbOctoMap : public CMetricMap {
   /** Saves all log-odds (`.ot`) or the maximum likelihood (`.bt`), depending on the extension.
    * Writes the whole file or nothing. \exception std::runtime_error "<path>: <reason>". */
   void saveToOcTreeFile(const std::string& path) const;
+  /** Loads the contents of a `.ot` or `.bt` file, see loadFromOcTreeFile().
+   * \param[in] bytes The contents.
+   * \param[in] resolution Voxel size of nodes without a header, as the data of
+   * octomap_msgs/Octomap, m. 0: \a bytes has a header.
+   * \exception std::runtime_error If the bytes are damaged or of another kind. */
+  void loadFromOcTreeBytes(std::string_view bytes, double resolution = 0);
+  /** Returns the contents of a `.ot` file: all log-odds. */
+  std::string toOtBytes() const;
+  /** Returns the contents of a `.bt` file: the maximum likelihood. */
+  std::string toBtBytes() const;
   /** Writes `<prefix>_3D.3Dscene`, as the maps of MRPT do, and `<prefix>.ot` with all log-odds. */
   void saveMetricMapRepresentationToFile(const std::string& filNamePrefix) const override;
   /** @} */
