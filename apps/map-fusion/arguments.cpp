@@ -12,6 +12,7 @@
 #include "fusion_base/printable.h"
 #include "fusion_link/dds_link.h"
 #include "fusion_octree/resolution.h"
+#include "manuals/manuals.h"
 #include "output.h"
 #include "poses_out.h"
 #include "spelling.h"
@@ -376,8 +377,9 @@ std::vector<std::string> outputsOf(const Arguments& args) {
   return outputs;
 }
 
-std::optional<ExitCode> parseArguments(int argc, char** argv, Arguments& args) {
-  CLI::App app("Matches, evaluates and merges 3-D occupancy maps.");
+void defineCommands(CLI::App& app, Arguments& args) {
+  app.name("map-fusion");
+  app.description("Matches, evaluates and merges 3-D occupancy maps.");
   app.require_subcommand(1);
   app.set_version_flag("--version", "map-fusion " MAP_FUSION_VERSION);
   app.footer(
@@ -388,6 +390,11 @@ std::optional<ExitCode> parseArguments(int argc, char** argv, Arguments& args) {
   addPairCommands(line, args);
   addMapCommands(line, args);
   addTeamCommands(line, args);
+}
+
+std::optional<ExitCode> parseArguments(int argc, char** argv, Arguments& args) {
+  CLI::App app;
+  defineCommands(app, args);
   try {
     checkCommand(app, argc, argv);
     checkOptions(app, argc, argv);
