@@ -69,14 +69,15 @@ class ForeignFiles : public AppTest {
     EXPECT_EQ(line.rfind("map-fusion: " + file + ": ", 0), 0U) << line;
     EXPECT_NE(line.find(reason), std::string::npos) << arguments << "\n" << line;
     EXPECT_LT(line.size(), 500U) << arguments << "\n" << line;
-    EXPECT_FALSE(fs::exists(dir_ / "out.ot")) << arguments;
+    for (const char* output : {"out.ot", "out.ply", "out.rawlog"})
+      EXPECT_FALSE(fs::exists(dir_ / output)) << arguments;
   }
 
   /** Expects the reason from all commands that read a map. */
   void expectFromAllCommands(const std::string& file, const std::string& reason) const {
     const std::string good = pair("map_a.ot");
     for (const std::string& arguments :
-         {"info " + file, "edges " + file + " -o out.ot", "pack " + file + " -o out.ot",
+         {"info " + file, "edges " + file + " -o out.ply", "pack " + file + " -o out.rawlog",
           "build " + file + " -o out.ot", "match " + file + " " + good,
           "fuse " + good + " " + file + " -o out.ot", "fuse " + file + " -o out.ot",
           "fuse " + both() + " " + file + " -o out.ot"})
