@@ -10,7 +10,7 @@ packages=(
   cmake g++ make ninja-build pkg-config
   libmrpt-maps-dev libmrpt-slam-dev # bring mrpt-obs, -opengl, -graphs..., Eigen and nanoflann
   liboctomap-dev                    # also holds the real building that the demo uses
-  libeigen3-dev libceres-dev libtbb-dev libjemalloc-dev zlib1g-dev liblzma-dev libzstd-dev
+  libeigen3-dev libceres-dev libtbb-dev libjemalloc-dev zlib1g-dev liblzma-dev libzstd-dev liblzf-dev
   libpng-dev
   libcli11-dev nlohmann-json3-dev
   cyclonedds-dev cyclonedds-tools   # map-fusion join: the link between robots

@@ -1,298 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Defines the subcommands with their options and help texts, and parses the command line. */
+ * Parses and checks the command line. */
 
 #include "arguments.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
+#include "command_definitions.h"
 #include "fusion_base/printable.h"
-#include "fusion_link/dds_link.h"
-#include "fusion_octree/resolution.h"
-#include "manuals/manuals.h"
 #include "output.h"
-#include "poses_out.h"
+#include "slice_out.h"
 #include "spelling.h"
 
 namespace map_fusion {
 
 namespace {
-
-/** Makes a check of a number. In contrast to CLI::Range, it rejects NaN. */
-CLI::Validator numberIn(double min, double max, const std::string& name) {
-  return {[=](const std::string& text) -> std::string {
-            double value = std::nan("");
-            const bool is_number = CLI::detail::lexical_cast(text, value);
-            if (is_number && value >= min && value <= max) return {};
-            return mrpt::fusion::printable(text) + " is not in [" + CLI::detail::to_string(min) +
-                   ", " + CLI::detail::to_string(max) + "]";
-          },
-          name};
-}
-
-constexpr int kMaxMaps = 10000;
-constexpr double kMostSigma = 1e6;  // m, deg
-
-constexpr const char* kPoseHelp =
-    "\"[x y z yaw pitch roll]\" (m, deg), or a file with a 4x4 row-major matrix";
-constexpr const char* kFusedHelp = "fused map in the frame of A: .ot, .bt, or MRPT-serialized";
-constexpr const char* kRawHelp =
-    "voxel size (m) of files that hold the data of octomap_msgs/Octomap without a header";
-
-/** Adds subcommands, and the options that several subcommands share. */
-class CommandLine {
- public:
-  CommandLine(CLI::App& app, Arguments& args) : app_(app), args_(args) {}
-
-  CLI::App* add(const std::string& name, const std::string& what, const std::string& example) {
-    auto* sub = app_.add_subcommand(name, what);
-    sub->footer("Example:\n  " + example);
-    sub->add_option("--config", args_.config,
-                    "settings: section [ProbabilisticMapMatching] and, for recordings, definitions "
-                    "of MRPT maps")
-        ->type_name("FILE.ini");
-    sub->add_option("--section", args_.section, "section of --config with the map definition")
-        ->capture_default_str();
-    sub->add_option("--json", args_.json, "write all figures of the run to FILE")
-        ->type_name("FILE");
-    sub->add_option("--threads", args_.threads,
-                    "number of threads; the result does not depend on it (default: all cores)")
-        ->check(CLI::PositiveNumber);
-    auto* quiet = sub->add_flag("-q,--quiet", args_.quiet, "print neither summary nor progress");
-    sub->add_flag("-v,--verbose", args_.verbose, "print each iteration")->excludes(quiet);
-    return sub;
-  }
-  void inputs(CLI::App* sub, const std::string& names, int least, int most) {
-    sub->add_option(names, args_.maps,
-                    "maps: .ot, .bt, MRPT-serialized, or recordings from which maps are built")
-        ->required()
-        ->expected(least, most);
-  }
-  void resolution(CLI::App* sub, const std::string& what) {
-    sub->add_option("--resolution", args_.resolution, what)
-        ->check(numberIn(mrpt::fusion::kMinResolution, mrpt::fusion::kMaxResolution, "M"));
-  }
-  void output(CLI::App* sub, const std::string& what) {
-    sub->add_option("-o,--output", args_.output, what + "; - is standard output")
-        ->required()
-        ->type_name("FILE");
-  }
-  /** \return The option of the guess. */
-  CLI::Option* init(CLI::App* sub) {
-    auto* guess =
-        sub->add_option("--init", args_.init,
-                        "initial guess of the pose of B in A's frame: " + std::string(kPoseHelp) +
-                            ". Without --init, all positions and headings are searched")
-            ->type_name("POSE");
-    sub->add_option("--init-sigma", args_.init_sigma,
-                    "standard deviations of the position (m) and the heading (deg) of the guess. "
-                    "The search covers 3 standard deviations (default: ranges of the settings)")
-        ->type_name("M DEG")
-        ->expected(2)
-        ->check(numberIn(0, kMostSigma, "NUMBER"))
-        ->needs(guess);
-    sub->add_flag("--full-6dof", args_.full_6dof,
-                  "search all roll and pitch angles, too. Without --full-6dof, both maps must be "
-                  "upright to within a few degrees")
-        ->excludes(guess);
-    sub->add_option("--pose-out", args_.pose_out,
-                    "write the estimated pose to FILE as a 4x4 matrix (exactly two maps)")
-        ->type_name("FILE");
-    return guess;
-  }
-  void team(CLI::App* sub, CLI::Option* guess) {
-    sub->add_option("--priors", args_.priors,
-                    "guesses of poses: a g2o file with EDGE_SE3:QUAT or VERTEX_SE3:QUAT. The ids "
-                    "are the indices of the maps in the order given, from 0")
-        ->type_name("FILE.g2o")
-        ->excludes(guess);
-    posesOut(sub);
-  }
-  void posesOut(CLI::App* sub) {
-    sub->add_option("--poses-out", args_.poses_out,
-                    "write the poses of all placed robots to FILE: .g2o, .graph (MRPT), .tum (time "
-                    "is the index of the map) or .yaml")
-        ->type_name("FILE")
-        ->check(CLI::Validator(
-            [](const std::string& path) {
-              return isPosesFile(path) ? std::string()
-                                       : mrpt::fusion::printable(path) +
-                                             " does not end in .g2o, .graph, .tum or .yaml";
-            },
-            "FILE"));
-  }
-  void page(CLI::App* sub) {
-    sub->add_option(
-           "--report", args_.page,
-           "write a page: one HTML file with the maps in 3-D, the verdict and all figures, "
-           "for any browser, without network; - is standard output")
-        ->type_name("FILE.html");
-  }
-  void link(CLI::App* sub) {
-    sub->add_option("--robot", args_.robot, "name of this robot, unlike the names of all others")
-        ->required()
-        ->type_name("NAME");
-    sub->add_option("--map", args_.maps,
-                    "map of this robot, read again when it changes (default: none, as at a base "
-                    "station): .ot, .bt, MRPT-serialized, or a recording")
-        ->type_name("FILE")
-        ->expected(1);
-    sub->add_option("--domain", args_.domain, "robots of the same DDS domain meet")
-        ->check(CLI::Range(0U, mrpt::fusion::kMostDomain))
-        ->capture_default_str();
-    sub->add_option("--peer", args_.peers,
-                    "address of another robot; may be given several times. Without --peer, robots "
-                    "find each other by multicast")
-        ->type_name("ADDRESS")
-        ->allow_extra_args(false);
-    sub->add_option("--journal", args_.journal,
-                    "folder that keeps what has arrived, so that the robot continues after a crash")
-        ->type_name("DIR");
-    sub->add_option("--for", args_.seconds, "leave after a time, s (default: at SIGTERM or SIGINT)")
-        ->check(CLI::PositiveNumber);
-    sub->add_option("--until-complete", args_.until_complete,
-                    "leave when this robot has N whole maps, with its own, and N - 1 robots have "
-                    "the map of this robot")
-        ->type_name("N")
-        ->check(CLI::PositiveNumber);
-  }
-  void pose(CLI::App* sub, const std::string& what) {
-    sub->add_option("--pose,--init", args_.pose, what + ": " + kPoseHelp)
-        ->required()
-        ->type_name("POSE");
-  }
-  void picture(CLI::App* sub) {
-    sub->add_option("--picture", args_.picture, "draw both maps from above (exactly two maps)")
-        ->type_name("FILE.png");
-    sub->add_option("--scene", args_.scene,
-                    "write both maps, their edges, the matched pairs and the fused map as a scene "
-                    "for SceneViewer3D (exactly two maps)")
-        ->type_name("FILE.3Dscene");
-    page(sub);
-  }
-  void policy(CLI::App* sub) {
-    sub->add_option("--policy", args_.policy,
-                    "rule for the value of a voxel that both maps know (default: as in the "
-                    "settings)")
-        ->check(CLI::IsMember({"relative_entropy", "average", "stitch", "bayes"}));
-    sub->add_flag(
-        "--independent", args_.independent,
-        "count all observations of all maps. Without --independent, no observation counts "
-        "twice: not those of maps with the same voxels, and not those of a map that a "
-        "fused map in an MRPT-serialized file or a mission already holds");
-  }
-
- private:
-  CLI::App& app_;
-  Arguments& args_;
-};
-
-void addPairCommands(CommandLine& line, Arguments& args) {
-  auto* fuse =
-      line.add("fuse",
-               "Estimate the pose of B in A. If the match is accepted, merge both maps.\n"
-               "With more maps, or with a rawlog of the maps of several robots, merge all\n"
-               "maps whose matches are accepted",
-               "map-fusion fuse a.ot b.ot --init \"[4 1 0 30 0 0]\" -o fused.ot");
-  line.inputs(fuse, "A B...", 1, kMaxMaps);
-  line.resolution(fuse, kRawHelp);
-  line.output(fuse, kFusedHelp);
-  line.team(fuse, line.init(fuse));
-  line.policy(fuse);
-  line.picture(fuse);
-  fuse->add_flag("--force", args.force, "merge rejected matches, too");
-
-  auto* match = line.add("match", "Estimate the pose of B in A and judge whether it is right",
-                         "map-fusion match a.ot b.ot --init guess.txt --pose-out T_a_b.txt");
-  line.inputs(match, "A B", 2, 2);
-  line.resolution(match, kRawHelp);
-  line.init(match);
-  line.picture(match);
-
-  auto* evaluate = line.add("evaluate", "Judge whether a given pose of B in A is right",
-                            "map-fusion evaluate a.ot b.ot --pose T_a_b.txt");
-  line.inputs(evaluate, "A B", 2, 2);
-  line.resolution(evaluate, kRawHelp);
-  line.pose(evaluate, "pose of B in A's frame");
-  line.picture(evaluate);
-
-  auto* merge = line.add("merge", "Merge both maps at a given pose of B in A",
-                         "map-fusion merge a.ot b.ot --pose T_a_b.txt --policy bayes -o fused.ot");
-  line.inputs(merge, "A B", 2, 2);
-  line.resolution(merge, kRawHelp);
-  line.pose(merge, "pose of B in A's frame");
-  line.output(merge, kFusedHelp);
-  line.policy(merge);
-  line.picture(merge);
-}
-
-void addMapCommands(CommandLine& line, Arguments& args) {
-  auto* edges = line.add("edges", "Extract the structural edge voxels of a map",
-                         "map-fusion edges a.ot -o edges.ply");
-  line.inputs(edges, "MAP", 1, 1);
-  line.resolution(edges, kRawHelp);
-  line.output(edges,
-              "*.ply: a point cloud whose normals (nx, ny, nz) are the directions of the edges; "
-              "otherwise a CEdgeVoxelMap, which can be matched");
-
-  auto* transform =
-      line.add("transform", "Move a map to another frame, onto the grid of that frame",
-               "map-fusion transform b.ot --pose \"[1 2 0 90 0 0]\" -o moved.ot");
-  line.inputs(transform, "MAP", 1, 1);
-  line.pose(transform, "pose of the map's frame in the new frame");
-  line.output(transform, "moved map: .ot, .bt, or MRPT-serialized");
-  line.resolution(
-      transform, "voxel size, m (default: as in the map). It is also the " + std::string(kRawHelp));
-
-  auto* build = line.add("build", "Build a map from a recording: a .rawlog or a .simplemap",
-                         "map-fusion build run.rawlog --config map.ini -o run.ot");
-  line.inputs(build, "MAP", 1, 1);
-  line.output(build, "map: .ot or .bt; otherwise MRPT-serialized, compressed if *.gz");
-
-  auto* pack = line.add("pack", "Write the maps of several robots to one rawlog, compressed",
-                        "map-fusion pack robot1.ot robot2.ot -o mission.rawlog");
-  line.inputs(pack, "MAPS", 1, kMaxMaps);
-  line.resolution(pack, kRawHelp);
-  line.output(pack, "rawlog with one CObservationLocalMap per robot, named as the robot's file");
-  pack->add_flag("--edges-only", args.edges_only,
-                 "write only the structural edges: less than 5 % of the size");
-  pack->add_flag("--smallest", args.smallest,
-                 "pack by LZMA: 0.9 times the bytes, 10 times the time");
-
-  auto* view = line.add("view",
-                        "Show a map, or a page that --report wrote, in the browser.\n"
-                        "Without a display, print where the page is",
-                        "map-fusion view a.ot");
-  line.inputs(view, "MAP|PAGE", 1, 1);
-  line.resolution(view, kRawHelp);
-  view->add_option("-o,--output", args.page,
-                   "page of the map (default: in a new folder for temporary files); - is standard "
-                   "output")
-      ->type_name("FILE.html");
-
-  auto* info = line.add("info", "Print the contents of a map", "map-fusion info a.ot");
-  line.inputs(info, "MAP", 1, 1);
-  line.resolution(info, kRawHelp);
-}
-
-void addTeamCommands(CommandLine& line, Arguments& args) {
-  auto* join = line.add("join",
-                        "Exchange maps with other robots over a thin link, and fuse them as they\n"
-                        "arrive. All robots get the same fused map, in the frame of the first\n"
-                        "robot by name",
-                        "map-fusion join --robot r1 --map live.ot --domain 7 -o fused.ot");
-  line.link(join);
-  line.resolution(join, kRawHelp);
-  join->add_option("-o,--output", args.output,
-                   "fused map, written when it changes: .ot, .bt, or MRPT-serialized")
-      ->type_name("FILE");
-  line.posesOut(join);
-  line.policy(join);
-  line.page(join);
-}
 
 /** \exception CLI::ValidationError If the first word of the arguments is not a command. It names
  * the nearest command. */
@@ -344,6 +68,12 @@ void checkOptions(const CLI::App& app, int argc, char** argv) {
   }
 }
 
+/** \exception CLI::ValidationError If the second of two numbers is below the first. */
+void checkRange(const std::vector<double>& numbers, const std::string& option) {
+  if (numbers.size() == 2 && numbers[1] < numbers[0])
+    throw CLI::ValidationError(option + ": the second number is below the first");
+}
+
 /** \exception CLI::ValidationError If two outputs are the same file. */
 void checkOutputs(const Arguments& args) {
   const auto outputs = outputsOf(args);
@@ -371,25 +101,11 @@ void checkFormat(const Arguments& args) {
 
 std::vector<std::string> outputsOf(const Arguments& args) {
   std::vector<std::string> outputs;
-  for (const auto& path :
-       {args.output, args.pose_out, args.poses_out, args.picture, args.scene, args.page, args.json})
+  const std::string yaml = args.command == "slice" ? yamlBeside(args.output) : std::string();
+  for (const auto& path : {args.output, yaml, args.pose_out, args.poses_out, args.picture,
+                           args.scene, args.page, args.json})
     if (!path.empty()) outputs.push_back(path);
   return outputs;
-}
-
-void defineCommands(CLI::App& app, Arguments& args) {
-  app.name("map-fusion");
-  app.description("Matches, evaluates and merges 3-D occupancy maps.");
-  app.require_subcommand(1);
-  app.set_version_flag("--version", "map-fusion " MAP_FUSION_VERSION);
-  app.footer(
-      "Exit codes: 0 success, and the match (if there is one) is accepted; 1 failure, for example\n"
-      "bad input; 2 wrong usage; 3 the match is rejected, or maps of a team are left out.\n"
-      "'map-fusion COMMAND --help' describes a command.");
-  CommandLine line(app, args);
-  addPairCommands(line, args);
-  addMapCommands(line, args);
-  addTeamCommands(line, args);
 }
 
 std::optional<ExitCode> parseArguments(int argc, char** argv, Arguments& args) {
@@ -402,6 +118,8 @@ std::optional<ExitCode> parseArguments(int argc, char** argv, Arguments& args) {
     args.command = app.get_subcommands().front()->get_name();
     checkFormat(args);
     checkOutputs(args);
+    checkRange(args.heights, "--heights");
+    checkRange(args.thresholds, "--thresholds");
     if (args.maps.size() != 2 && !(args.init + args.pose_out + args.picture + args.scene).empty())
       throw CLI::ValidationError(
           "--init, --pose-out, --picture and --scene need exactly two maps, A and B");

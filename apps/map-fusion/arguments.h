@@ -19,6 +19,9 @@ struct Arguments {
   std::vector<double> init_sigma;  ///< Standard deviations of the guess, m and deg; may be empty
   bool full_6dof = false;          ///< The maps have no common vertical
   std::string pose;                ///< Given pose of B in A, see parsePose()
+  std::vector<double> heights;     ///< Lowest and highest height of a slice, m; empty: all heights
+  std::vector<double> thresholds;  ///< Probabilities below which a cell is free, and from which on
+                                   ///< it is occupied; empty: as the map says
   std::string output;              ///< File of the resulting map or point cloud
   std::string pose_out;            ///< File of the estimated pose; empty: none
   std::string poses_out;           ///< File of the poses of all placed robots; empty: none
@@ -37,7 +40,10 @@ struct Arguments {
   double seconds = 0;         ///< Time after which a robot leaves its team, s; 0: never
   size_t until_complete = 0;  ///< Number of whole maps with which a robot leaves; 0: never
   double resolution = 0;      ///< Voxel size, m; 0: as in the input. Nodes
-                              ///< without a header have no other voxel size
+                              ///< without a header have no other voxel size,
+                              ///< point clouds have 0.1 m
+  std::string sensor_origin;  ///< Position of the sensor of point clouds, see
+                              ///< parsePoint(); empty: as the file states it
   unsigned threads = 0;       ///< Number of threads; 0: all cores
   bool edges_only = false;    ///< Write structural edges, not maps
   bool independent = false;   ///< Maps with the same sources all count

@@ -16,6 +16,8 @@
 #include "fusion_base/file_kind.h"
 #include "fusion_base/files.h"
 #include "fusion_octree/files.h"
+#include "fusion_octree/point_clouds/cloud_map.h"
+#include "pose.h"
 
 namespace fs = std::filesystem;
 using mrpt::fusion::EdgeVoxels;
@@ -24,7 +26,19 @@ namespace map_fusion {
 
 namespace {
 
-/** Loads a map of octomap. Without octree if the file is of another kind. */
+/** Returns how the arguments turn point clouds into maps. */
+mrpt::fusion::CloudParams cloudParamsOf(const Arguments& args) {
+  mrpt::fusion::CloudParams params;
+  if (args.resolution > 0) params.resolution = args.resolution;
+  if (!args.sensor_origin.empty()) {
+    const auto p = parsePoint(args.sensor_origin);
+    params.sensor_origin.emplace(static_cast<float>(p.x), static_cast<float>(p.y),
+                                 static_cast<float>(p.z));
+  }
+  return params;
+}
+
+/** Loads a map of octomap or a point cloud. Without octree if the file is of another kind. */
 LoadedMap loadOctomapFile(const RunContext& run, const std::string& path) {
   using mrpt::fusion::readFileBytes;
   const InputKind kind = inputKindOf(run, path);
@@ -32,6 +46,9 @@ LoadedMap loadOctomapFile(const RunContext& run, const std::string& path) {
   mrpt::fusion::withPath(path, [&] {
     if (kind == InputKind::OcTree)
       map.octree = mrpt::fusion::parseOcTreeFile(readFileBytes(path), &map.notes);
+    else if (kind == InputKind::PointCloud)
+      map.octree =
+          mrpt::fusion::parseCloudMap(readFileBytes(path), cloudParamsOf(run.args), &map.notes);
     else if (kind == InputKind::RawNodes)
       map.octree =
           mrpt::fusion::parseRawOcTree(readFileBytes(path), run.args.resolution, &map.notes);
@@ -42,13 +59,13 @@ LoadedMap loadOctomapFile(const RunContext& run, const std::string& path) {
 /** Reports on a map that was loaded. A map without sources is a source named by its file. */
 void report(RunContext& run, const std::string& path, LoadedMap& map,
             mrpt::fusion::MapReport on_map) {
+  if (run.args.command != "info" && on_map.statistics.occupied == 0)
+    throw std::runtime_error(path + ": the map has no occupied voxel");
   for (const auto& note : map.notes) run.note(path + ": " + note);
   run.progress.clear();
   run.report.maps.push_back(std::move(on_map));
   run.report.maps.back().sources = map.sources;
   if (map.sources.empty()) map.sources = {{{}, namesOf({path}).front(), 0, 0}};
-  if (run.args.command != "info" && run.report.maps.back().statistics.occupied == 0)
-    throw std::runtime_error(path + ": the map has no occupied voxel");
 }
 
 /** \exception UsageError If a file is given twice. */
@@ -94,6 +111,7 @@ InputKind inputKindOf(const RunContext& run, const std::string& path) {
   return mrpt::fusion::withPath(path, [&] {
     const std::string beginning = mrpt::fusion::beginningOf(path);
     if (mrpt::fusion::isOcTreeFile(beginning)) return InputKind::OcTree;
+    if (mrpt::fusion::isPointCloudFile(beginning)) return InputKind::PointCloud;
     const std::string foreign = mrpt::fusion::foreignKindOf(beginning);
     if (!foreign.empty()) throw std::runtime_error(foreign);
     const bool is_raw = run.args.resolution > 0 && !mrpt::fusion::beginsWithObject(beginning);

@@ -15,14 +15,14 @@
 
 namespace map_fusion {
 
-/** A map that was read from an octree file, and the report on it. */
+/** A map that was read from an octree file or a point cloud, and the report on it. */
 struct ReadOctree {
   LoadedMap map;
   mrpt::fusion::MapReport report;
 };
 
-/** Reads a file ahead of loadMap(), in a thread of its own. Returns nothing if the file is not an
- * octree, or if something is wrong with it.
+/** Reads a file ahead of loadMap(), in a thread of its own. Returns nothing if the file is neither
+ * an octree nor a point cloud, or if something is wrong with it.
  * \param[in] role See MapReport. */
 std::optional<ReadOctree> readAhead(const RunContext& run, const std::string& role,
                                     const std::string& path);
@@ -37,9 +37,10 @@ LoadedMap loadMap(RunContext& run, const std::string& role, const std::string& p
 
 /** What a file may hold, by its first bytes. */
 enum class InputKind {
-  OcTree,    ///< `.ot` or `.bt`
-  RawNodes,  ///< Nodes of an octree without a header, if `--resolution` is given
-  Mrpt       ///< Objects of MRPT: a map, a recording or a mission
+  OcTree,      ///< `.ot` or `.bt`
+  PointCloud,  ///< `.pcd` or `.ply`
+  RawNodes,    ///< Nodes of an octree without a header, if `--resolution` is given
+  Mrpt         ///< Objects of MRPT: a map, a recording or a mission
 };
 
 /** Returns what a file may hold. \exception std::runtime_error "<path>: <reason>" if the file

@@ -28,7 +28,7 @@ ExitCode run(const Arguments& args) {
       {"fuse", runFuse},   {"match", runMatch}, {"evaluate", runEvaluate},
       {"merge", runMerge}, {"edges", runEdges}, {"transform", runTransform},
       {"build", runBuild}, {"pack", runPack},   {"info", runInfo},
-      {"view", runView},   {"join", runJoin}};
+      {"view", runView},   {"join", runJoin},   {"slice", runSlice}};
   RunContext context(args);
   const bool accepted = commands.at(args.command)(context);
   context.finish();

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "fusion_octree/slice.h"
 #include "fusion_report/pose_graph.h"
 #include "fusion_report/report.h"
 
@@ -107,6 +108,9 @@ class MrptMaps {
   virtual BuiltMap build(const std::string& recording, const MapDefinition& definition) const = 0;
   /** Saves a map, see mrpt::fusion::saveMap(). */
   virtual void save(const LoadedMap& map, const std::string& path) const = 0;
+  /** Saves a slice as a mrpt::maps::COccupancyGridMap2D, compressed if the path ends in `.gz`. The
+   * cells hold probabilities, unknown cells 0.5. */
+  virtual void saveSlice(const mrpt::fusion::MapSlice& slice, const std::string& path) const = 0;
   /** Writes a scene, see mrpt::fusion::drawFusion(). */
   virtual void drawScene(const SceneContents& contents, const std::string& path) const = 0;
   /** Returns poses as a `.graph` file of MRPT: VERTEX3, FIX, EDGE3. */

@@ -7,6 +7,7 @@
 #include <mrpt/fusion/map_files.h>
 #include <mrpt/graphs/CNetworkOfPoses.h>
 #include <mrpt/maps/CEdgeVoxelMap.h>
+#include <mrpt/maps/COccupancyGridMap2D.h>
 
 #include <iomanip>
 #include <limits>
@@ -127,6 +128,25 @@ class MapsOfModule : public MrptMaps {
   void save(const LoadedMap& map, const std::string& path) const override {
     const SilentErrors silent;
     mrpt::fusion::saveMap(*mrptMapOf(map), path);
+  }
+
+  void saveSlice(const mrpt::fusion::MapSlice& slice, const std::string& path) const override {
+    const SilentErrors silent;
+    const auto end = [&](double low, size_t cells) {
+      return low + static_cast<double>(cells) * slice.resolution;
+    };
+    mrpt::maps::COccupancyGridMap2D grid;
+    grid.setSize(static_cast<float>(slice.low_x), static_cast<float>(end(slice.low_x, slice.width)),
+                 static_cast<float>(slice.low_y),
+                 static_cast<float>(end(slice.low_y, slice.height)),
+                 static_cast<float>(slice.resolution));
+    for (size_t i = 0; i < slice.log_odds.size(); i++) {
+      if (slice.log_odds[i] == mrpt::fusion::MapSlice::kUnknown) continue;
+      const double is_free = 1 - octomap::probability(slice.log_odds[i]);
+      grid.setCell(static_cast<int>(i % slice.width), static_cast<int>(i / slice.width),
+                   static_cast<float>(is_free));
+    }
+    mrpt::fusion::saveObject(grid, path);
   }
 
   std::string toGraphText(const mrpt::fusion::PoseGraph& poses) const override {

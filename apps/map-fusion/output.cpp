@@ -104,9 +104,10 @@ std::string surpriseOf(const Arguments& args) {
   std::error_code ignored;
   const bool is_device = fs::exists(path, ignored) && !fs::is_regular_file(path, ignored);
   if (path.empty() || path == mrpt::fusion::kStandardOutput || is_device ||
-      args.command == "pack" || (args.command == "edges" && extension == ".ply"))
+      args.command == "pack" || args.command == "slice" ||
+      (args.command == "edges" && extension == ".ply"))
     return {};
-  for (const char* known : {".ot", ".bt", ".gridmap", ".map", ".gz"})
+  for (const char* known : {".ot", ".bt", ".gridmap", ".map", ".gz", ".simplemap"})
     if (extension == known) return {};
   return path + ": is written as an object of MRPT, for which .gridmap is usual. Other formats: " +
          (args.command == "edges" ? ".ply" : ".ot and .bt of OctoMap");

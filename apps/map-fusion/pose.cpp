@@ -90,6 +90,14 @@ mrpt::poses::CPose3D parsePose(const std::string& text) {
   });
 }
 
+mrpt::math::TPoint3D parsePoint(const std::string& text) {
+  std::string numbers = text;
+  if (!text.empty() && text.front() == '[' && text.back() == ']')
+    numbers = text.substr(1, text.size() - 2);
+  const auto v = parseNumbers(numbers, 3, "point '" + text + "' is not \"x y z\" (m)");
+  return {v[0], v[1], v[2]};
+}
+
 std::string toMatrixText(const mrpt::poses::CPose3D& pose) {
   std::ostringstream out;
   out.precision(12);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <mrpt/math/TPoint3D.h>
 #include <mrpt/poses/CPose3D.h>
 
 #include <string>
@@ -14,6 +15,10 @@ namespace map_fusion {
  * matrix. \exception std::runtime_error "<text or path>: <reason>", also if the matrix is not a
  * rigid transform to within 1e-3. Text files are rounded, so the tolerance is wide. */
 mrpt::poses::CPose3D parsePose(const std::string& text);
+
+/** Parses a point: "x y z" (m), with or without square brackets.
+ * \exception std::runtime_error "point '<text>' ...: <reason>". */
+mrpt::math::TPoint3D parsePoint(const std::string& text);
 
 /** Parses a word. \exception std::runtime_error If it is not a finite number. */
 double parseNumber(const std::string& word);

@@ -19,8 +19,7 @@ struct Kind {
 };
 
 constexpr std::string_view kPointCloud =
-    "is a point cloud, which has no free space: make an octree (.ot, .bt) of it, from the scans "
-    "and their poses if possible";
+    "is a point cloud of a kind that is not read: convert it to .pcd or .ply";
 constexpr std::string_view kPicture =
     "is a picture, not a map: give the .ot or .bt file of the map";
 constexpr std::string_view kArchive = "is an archive: unpack it and give the map that is in it";
@@ -38,11 +37,6 @@ constexpr Kind kKinds[] = {
     {"<!doctype html"sv, kWebPage, true},
     {"<html"sv, kWebPage, true},
     {"<?xml"sv, "is an XML file, not a map"sv, true},
-    {"# .pcd"sv, kPointCloud, true},
-    {"version .7"sv, kPointCloud, true},
-    {"version 0.7"sv, kPointCloud, true},
-    {"ply\n"sv, kPointCloud},
-    {"ply\r"sv, kPointCloud},
     {"LASF"sv, kPointCloud},
     {"ASTM-E57"sv, kPointCloud},
     {"# Octomap PointCloud"sv, kPointCloud},
@@ -108,7 +102,8 @@ std::string foreignKindOf(std::string_view beginning) {
   for (const Kind& kind : kKinds)
     if (matches(beginning, kind)) return std::string(kind.advice);
   if (isText(beginning))
-    return "is a text file, not a map: maps are .ot, .bt, files of MRPT, .rawlog or .simplemap";
+    return "is a text file, not a map: maps are .ot, .bt, .pcd, .ply, files of MRPT, .rawlog or "
+           ".simplemap";
   return {};
 }
 

@@ -3,7 +3,6 @@
  * Reads and writes `.ot` and `.bt` files. */
 #include "fusion_octree/files.h"
 
-#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstring>
@@ -16,26 +15,13 @@
 #include "fusion_base/files.h"
 #include "fusion_base/gzip.h"
 #include "fusion_base/printable.h"
+#include "fusion_octree/file_budget.h"
 #include "fusion_octree/file_header.h"
 #include "fusion_octree/node_reader.h"
 #include "fusion_octree/resolution.h"
 
 namespace mrpt::fusion {
 namespace {
-
-/** Limits of what a file may ask for. A plain file of OctoMap stays below them: a `.bt` file needs
- * at most 96 times its size in memory. */
-struct Budget {
-  size_t bytes;   ///< Largest number of unpacked bytes
-  size_t memory;  ///< Largest memory of the nodes, bytes
-};
-
-Budget budgetFor(size_t file_bytes) {
-  constexpr size_t kLeastBytes = size_t{128} << 20U, kBytesPerByte = 64;
-  constexpr size_t kLeastMemory = size_t{512} << 20U, kMemoryPerByte = 400;
-  return {std::max(kLeastBytes, kBytesPerByte * file_bytes),
-          std::max(kLeastMemory, kMemoryPerByte * file_bytes)};
-}
 
 /** Returns the layout of the nodes. \exception std::runtime_error If it is not known. */
 NodeLayout layoutOf(const OcTreeHeader& h) {
@@ -155,7 +141,7 @@ size_t parseNodes(std::string_view bytes, octomap::OcTree& tree) {
 
 std::unique_ptr<octomap::OcTree> parseOcTreeFile(std::string_view bytes,
                                                  std::vector<std::string>* notes) {
-  const Budget budget = budgetFor(bytes.size());
+  const FileBudget budget = FileBudget::of(bytes.size());
   Notes to(notes);
   if (!isGzip(bytes)) return parsePlainFile(bytes, budget.memory, to);
   return parsePlainFile(gunzipped(bytes, budget.bytes), budget.memory, to);
@@ -164,7 +150,7 @@ std::unique_ptr<octomap::OcTree> parseOcTreeFile(std::string_view bytes,
 std::unique_ptr<octomap::OcTree> parseRawOcTree(std::string_view bytes, double resolution,
                                                 std::vector<std::string>* notes) {
   checkResolution(resolution);
-  const Budget budget = budgetFor(bytes.size());
+  const FileBudget budget = FileBudget::of(bytes.size());
   const std::string unpacked = isGzip(bytes) ? gunzipped(bytes, budget.bytes) : std::string();
   const std::string_view nodes = isGzip(bytes) ? unpacked : bytes;
   for (const auto layout : {NodeLayout::LogOdds, NodeLayout::LogOddsAndColour, NodeLayout::Kinds}) {

@@ -18,7 +18,22 @@
 
 namespace mrpt::fusion {
 
-/** Returns the key of the i-th of all finest voxels, in the octree's order (x fastest). */
+namespace detail {
+/** Spreads 16 bits to every third bit, from bit 0 on. */
+inline uint64_t spread16(uint64_t v) {
+  v = (v | v << 16U) & 0x0000FF0000FFULL;
+  v = (v | v << 8U) & 0x00F00F00F00FULL;
+  v = (v | v << 4U) & 0x0C30C30C30C3ULL;
+  return (v | v << 2U) & 0x249249249249ULL;
+}
+}  // namespace detail
+
+/** Returns the number of a finest voxel in the order of the octree's traversal. */
+inline uint64_t octreeOrder(const octomap::OcTreeKey& key) {
+  return detail::spread16(key[0]) | detail::spread16(key[1]) << 1U | detail::spread16(key[2]) << 2U;
+}
+
+/** Inverts octreeOrder(): returns the key of the i-th of all finest voxels (x fastest). */
 inline octomap::OcTreeKey keyInOctreeOrder(uint64_t i) {
   octomap::OcTreeKey key(0, 0, 0);
   for (unsigned bit = 0; i >> (3 * bit); bit++)

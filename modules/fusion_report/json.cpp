@@ -150,6 +150,12 @@ std::string toJson(const Report& r) {
           {{"kind", l.kind}, {"reason", l.reason}, {"count", l.count}});
   }
   if (r.edges) json["edge_voxels"] = *r.edges;
+  if (r.slice)
+    json["slice"] = {{"width", r.slice->width},
+                     {"height", r.slice->height},
+                     {"occupied", r.slice->occupied},
+                     {"free", r.slice->free},
+                     {"unknown", r.slice->unknown}};
   if (r.initial_pose) json["initial_pose"] = poseJson(*r.initial_pose);
   if (r.pose) json["pose"] = poseJson(*r.pose);
   if (r.match) json["match"] = matchJson(*r.match);

@@ -3,11 +3,11 @@
  * Writes the poses of a run as g2o, TUM and YAML. */
 
 #include <charconv>
-#include <nlohmann/json.hpp>
 
 #include "fusion_base/printable.h"
 #include "fusion_core/registration/perturbations.h"
 #include "fusion_report/pose_graph.h"
+#include "fusion_report/quoted.h"
 
 namespace mrpt::fusion {
 namespace {
@@ -31,11 +31,6 @@ std::string poseText(const Eigen::Isometry3d& T, const char* separator = " ") {
        {T.translation().x(), T.translation().y(), T.translation().z(), q.x(), q.y(), q.z(), q.w()})
     text += (text.empty() ? "" : separator) + textOf(v);
   return text;
-}
-
-/** Returns a name as a string of YAML, whatever its bytes are. */
-std::string quoted(const std::string& name) {
-  return nlohmann::json(name).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
 }
 
 std::string yamlMatrix(const Matrix6d& m) {

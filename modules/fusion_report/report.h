@@ -44,6 +44,12 @@ struct ObservationCount {
   std::vector<LeftOut> left_out;  ///< Parts of ignored, by class and reason
 };
 
+/** A slice of a map that was written. */
+struct SliceReport {
+  size_t width = 0, height = 0;                ///< Number of cells along x and y
+  size_t occupied = 0, free = 0, unknown = 0;  ///< Number of cells of each kind
+};
+
 /** All findings of a run. A field without a value does not apply to the command. */
 struct Report {
   std::string command;                               ///< Subcommand of map-fusion
@@ -58,6 +64,8 @@ struct Report {
   std::optional<std::pair<Counting, Counting>> counting;  ///< How A and B count, if they are merged
   std::string policy;                            ///< Merge policy; empty: nothing was merged
   std::optional<size_t> edges;                   ///< Number of edge voxels that `edges` found
+  std::optional<size_t> key_frames;              ///< Number of key frames of joined recordings
+  std::optional<SliceReport> slice;              ///< Slice that `slice` wrote
   std::optional<ObservationCount> observations;  ///< Observations that `build` read
   std::vector<std::pair<std::string, double>> seconds;  ///< Wall time of each step, s, in order
 };

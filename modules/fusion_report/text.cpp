@@ -113,6 +113,9 @@ void print(const Report& r, std::ostream& out) {
       line(out, "                 - %zu %s: %s", l.count, l.kind.c_str(), l.reason.c_str());
   }
   if (r.edges) line(out, "edge voxels      %zu", *r.edges);
+  if (r.slice)
+    line(out, "slice            %zu x %zu cells: %zu occupied, %zu free, %zu unknown",
+         r.slice->width, r.slice->height, r.slice->occupied, r.slice->free, r.slice->unknown);
   if (r.initial_pose) line(out, "initial guess    %s", poseText(*r.initial_pose).c_str());
   if (r.pose)
     line(out, "pose of B in A   %s  (m, deg: x y z yaw pitch roll)",

@@ -12,6 +12,7 @@
 #include "fusion_base/error_text.h"
 #include "fusion_base/files.h"
 #include "fusion_octree/files.h"
+#include "fusion_octree/point_clouds/cloud_map.h"
 #include "mrpt_fusion_maps/recordings/map_builder.h"
 #include "mrpt_fusion_maps/recordings/object_reader.h"
 #include "mrpt_fusion_maps/recordings/recording.h"
@@ -21,15 +22,33 @@ using mrpt::maps::CProbOctoMap;
 
 namespace mrpt::fusion {
 
+namespace {
+
+/** Returns the map of an octree file or a point cloud. Null if the file is of another kind. */
+std::unique_ptr<octomap::OcTree> loadOctree(const std::string& path, const BuildParams& params) {
+  const std::string beginning = beginningOf(path);
+  std::vector<std::string> notes;
+  std::unique_ptr<octomap::OcTree> octree;
+  if (isOcTreeFile(beginning)) {
+    octree = parseOcTreeFile(readFileBytes(path), &notes);
+  } else if (isPointCloudFile(beginning)) {
+    CloudParams cloud{params.cloud_resolution, {}};
+    if (const auto& p = params.cloud_sensor_origin)
+      cloud.sensor_origin.emplace(static_cast<float>(p->x), static_cast<float>(p->y),
+                                  static_cast<float>(p->z));
+    octree = parseCloudMap(readFileBytes(path), cloud, &notes);
+  }
+  if (params.note)
+    for (const auto& note : notes) params.note(note);
+  return octree;
+}
+
+}  // namespace
+
 FileContents loadContents(const std::string& path, const BuildParams& params) {
   return withPath(path, [&]() -> FileContents {
-    if (isOcTreeFile(beginningOf(path))) {
-      std::vector<std::string> notes;
-      auto octree = parseOcTreeFile(readFileBytes(path), &notes);
-      if (params.note)
-        for (const auto& note : notes) params.note(note);
+    if (auto octree = loadOctree(path, params))
       return {{}, std::make_shared<CProbOctoMap>(std::move(octree))};
-    }
 
     ObjectReader reader(path);
     const auto first = reader.next();

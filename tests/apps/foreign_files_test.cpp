@@ -34,10 +34,8 @@ std::vector<Foreign> foreignFiles() {
   return {
       {"room.png", "\x89PNG\r\n\x1a\n"s + std::string("\0\0\0\rIHDR", 8) + anyBytes(), "picture"},
       {"photo.jpg", "\xff\xd8\xff\xe0"s + anyBytes(), "picture"},
-      {"cloud.pcd", "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z\n"s,
-       "point cloud"},
-      {"cloud.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 9\n"s + anyBytes(),
-       "point cloud"},
+      {"cloud.las", "LASF"s + anyBytes(), "point cloud"},
+      {"cloud.e57", "ASTM-E57"s + anyBytes(), "point cloud"},
       {"pointer.ot", "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 1445579\n"s,
        "git lfs pull"},
       {"download.bt", "<!DOCTYPE html>\n<html><body>404: Not Found</body></html>\n"s, "web page"},

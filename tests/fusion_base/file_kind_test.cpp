@@ -14,8 +14,8 @@ using mrpt::fusion::foreignKindOf;
 TEST(FileKind, SaysWhatAFileSeemsToBe) {
   using namespace std::string_view_literals;
   const std::vector<std::pair<std::string_view, const char*>> files = {
-      {"# .PCD v0.7 - Point Cloud Data\n"sv, "point cloud"},
-      {"ply\nformat ascii 1.0\n"sv, "point cloud"},
+      {"LASF\1\2"sv, "point cloud"},
+      {"ASTM-E57\1\0"sv, "point cloud"},
       {"#ROSBAG V2.0\n"sv, "ROS recording"},
       {"SQLite format 3\0"sv, "ROS recording"},
       {"\x89MCAP0\r\n"sv, "ROS recording"},

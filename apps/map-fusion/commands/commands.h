@@ -19,6 +19,7 @@ bool runEvaluate(RunContext& run);   ///< Judges a given pose of B in A
 bool runMerge(RunContext& run);      ///< Merges two maps at a given pose
 bool runEdges(RunContext& run);      ///< Extracts structural edges
 bool runTransform(RunContext& run);  ///< Moves a map to another frame
+bool runSlice(RunContext& run);      ///< Writes a map as a 2-D grid for navigation
 bool runBuild(RunContext& run);      ///< Builds a map from a recording
 bool runPack(RunContext& run);       ///< Writes the maps of several robots to a rawlog
 bool runInfo(RunContext& run);       ///< Reports the contents of a map

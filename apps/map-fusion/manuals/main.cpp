@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <iostream>
 
+#include "command_definitions.h"
 #include "fusion_base/files.h"
 #include "manuals/manuals.h"
 

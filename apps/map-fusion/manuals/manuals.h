@@ -5,16 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "arguments.h"
-
 /** \file
  * Manual pages and the completion of bash, made of the definitions that --help prints. */
 
 namespace map_fusion {
-
-/** Defines all commands with their options. \param[out] args Receives the arguments; it must
- * outlive \a app. */
-void defineCommands(CLI::App& app, Arguments& args);
 
 /** Returns the commands of the program. */
 std::vector<const CLI::App*> commandsOf(const CLI::App& app);

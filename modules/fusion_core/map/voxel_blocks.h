@@ -10,26 +10,12 @@
 #include <vector>
 
 #include "fusion_base/bits.h"
+#include "fusion_octree/walk.h"
 
 /** \file
  * Index of voxels by place, in blocks of 4x4x4 voxels. */
 
 namespace mrpt::fusion {
-
-namespace detail {
-/** Spreads 16 bits to every third bit, from bit 0 on. */
-inline uint64_t spread16(uint64_t v) {
-  v = (v | v << 16U) & 0x0000FF0000FFULL;
-  v = (v | v << 8U) & 0x00F00F00F00FULL;
-  v = (v | v << 4U) & 0x0C30C30C30C3ULL;
-  return (v | v << 2U) & 0x249249249249ULL;
-}
-}  // namespace detail
-
-/** Returns the number of a finest voxel in the order of the octree's traversal. */
-inline uint64_t octreeOrder(const octomap::OcTreeKey& key) {
-  return detail::spread16(key[0]) | detail::spread16(key[1]) << 1U | detail::spread16(key[2]) << 2U;
-}
 
 /** Finds the voxels around a place. The index has blocks of 4x4x4 voxels and groups of 4x4x4
  * blocks. Each has a mask of 64 bits in the order of the octree. A hash table holds the groups.

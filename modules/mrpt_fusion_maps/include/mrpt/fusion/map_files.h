@@ -4,10 +4,12 @@
 #include <mrpt/config/CConfigFileBase.h>
 #include <mrpt/fusion/export.h>
 #include <mrpt/maps/CProbOctoMap.h>
+#include <mrpt/math/TPoint3D.h>
 #include <mrpt/obs/CObservationLocalMap.h>
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +20,7 @@
 
 namespace mrpt::fusion {
 
-/** Parameters of buildMap(). */
+/** How maps are built from recordings and point clouds. */
 struct BuildParams {
   /** Settings with a map definition in the format of MRPT's programs: `<kind>_count` in \a section,
    * and one section for each map. Null: one CProbOctoMap with default options. Not owned. */
@@ -28,6 +30,10 @@ struct BuildParams {
   std::function<void(size_t inserted)> progress;
   /** Called with a sentence for each difference between a file and its map, if set. */
   std::function<void(const std::string& note)> note;
+  double cloud_resolution = 0.1;  ///< Voxel size of maps of point clouds, m
+  /** Position of the sensor in the frame of point clouds, m: the space between the sensor and the
+   * points is free. Nothing: as the file states it; if it does not, there is no free space. */
+  std::optional<mrpt::math::TPoint3D> cloud_sensor_origin = {};
 };
 
 /** Observations of one class that a map was built without. */
@@ -60,10 +66,11 @@ struct BuiltMap {
  */
 MRPT_FUSION_API BuiltMap buildMap(const std::string& path, const BuildParams& params = {});
 
-/** Loads the map of a file of any kind. An octree (`.ot`, `.bt`) becomes a
- * mrpt::maps::CProbOctoMap. An MRPT-serialized map keeps its class. A rawlog with the
- * CObservationLocalMap of one robot gives the latest map, see loadLocalMaps(). From other
- * recordings a map is built, see buildMap(). \exception std::runtime_error "<path>: <reason>". */
+/** Loads the map of a file of any kind. An octree (`.ot`, `.bt`) and a point cloud
+ * (`.pcd`, `.ply`) become a mrpt::maps::CProbOctoMap. An MRPT-serialized map keeps its class. A
+ * rawlog with the CObservationLocalMap of one robot gives the latest map, see loadLocalMaps(). From
+ * other recordings a map is built, see buildMap(). \exception std::runtime_error "<path>:
+ * <reason>". */
 MRPT_FUSION_API mrpt::maps::CMetricMap::Ptr loadAnyMap(const std::string& path,
                                                        const BuildParams& params = {});
 
