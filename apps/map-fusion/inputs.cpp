@@ -14,6 +14,7 @@
 
 #include "fusion_base/error_text.h"
 #include "fusion_base/file_kind.h"
+#include "fusion_base/file_names.h"
 #include "fusion_base/files.h"
 #include "fusion_octree/files.h"
 #include "fusion_octree/point_clouds/cloud_map.h"
@@ -65,16 +66,23 @@ void report(RunContext& run, const std::string& path, LoadedMap& map,
   run.progress.clear();
   run.report.maps.push_back(std::move(on_map));
   run.report.maps.back().sources = map.sources;
-  if (map.sources.empty()) map.sources = {{{}, namesOf({path}).front(), 0, 0}};
+  if (map.sources.empty()) map.sources = {{{}, mrpt::fusion::namesOf({path}).front(), 0, 0}};
 }
 
-/** \exception UsageError If a file is given twice. */
-void checkDistinct(const std::vector<std::string>& paths) {
+/** Returns the files of the arguments, each once. Says so if a file is given twice. */
+std::vector<std::string> distinctFiles(RunContext& run) {
+  std::vector<std::string> distinct;
   std::error_code ignored;
-  for (size_t i = 0; i < paths.size(); i++)
-    for (size_t j = 0; j < i; j++)
-      if (paths[i] == paths[j] || fs::equivalent(paths[i], paths[j], ignored))
-        throw UsageError(paths[i] + ": is given twice");
+  for (const std::string& path : run.args.maps) {
+    const bool is_known = std::any_of(distinct.begin(), distinct.end(), [&](const auto& other) {
+      return path == other || fs::equivalent(path, other, ignored);
+    });
+    if (is_known)
+      run.note(path + ": is given twice, and counts once");
+    else
+      distinct.push_back(path);
+  }
+  return distinct;
 }
 
 }  // namespace
@@ -143,10 +151,10 @@ std::vector<Robot> loadFileOfRobots(RunContext& run, const std::string& role,
 
 std::vector<Robot> loadRobots(RunContext& run) {
   std::vector<Robot> robots;
-  checkDistinct(run.args.maps);
-  const std::vector<std::string> names = namesOf(run.args.maps);
+  const std::vector<std::string> paths = distinctFiles(run);
+  const std::vector<std::string> names = mrpt::fusion::namesOf(paths);
   for (size_t i = 0; i < names.size(); i++) {
-    const std::string& path = run.args.maps[i];
+    const std::string& path = paths[i];
     auto of_file = loadFileOfRobots(run, names[i], path);
     for (Robot& robot : of_file) {
       const bool twice = std::any_of(robots.begin(), robots.end(),
@@ -170,30 +178,6 @@ std::vector<Robot> loadRobots(RunContext& run) {
 EdgeVoxels edgesOf(const RunContext& run, const LoadedMap& map) {
   return extractEdges(mrpt::fusion::extractOccupiedVoxels(map.wholeMap()),
                       run.options.features.edges);
-}
-
-std::vector<std::string> namesOf(const std::vector<std::string>& paths) {
-  std::vector<std::string> names;
-  std::vector<fs::path> files, folders;
-  for (const auto& path : paths) {
-    files.push_back(fs::absolute(path).lexically_normal());
-    folders.push_back(files.back().parent_path());
-    names.push_back(files.back().filename().replace_extension().string());
-  }
-  const auto areDistinct = [&] {
-    for (size_t i = 0; i < paths.size(); i++)
-      for (size_t j = 0; j < i; j++)
-        if (names[i] == names[j] && files[i] != files[j]) return false;
-    return true;
-  };
-  const auto isTop = [](const fs::path& folder) { return !folder.has_relative_path(); };
-  while (!areDistinct() && !std::all_of(folders.begin(), folders.end(), isTop))
-    for (size_t i = 0; i < paths.size(); i++) {
-      if (isTop(folders[i])) continue;
-      names[i] = folders[i].filename().string() + "_" + names[i];
-      folders[i] = folders[i].parent_path();
-    }
-  return names;
 }
 
 }  // namespace map_fusion

@@ -61,8 +61,4 @@ std::vector<Robot> loadRobots(RunContext& run);
 /** Returns the structural edges of a map. \exception std::exception If the map is edges alone. */
 mrpt::fusion::EdgeVoxels edgesOf(const RunContext& run, const LoadedMap& map);
 
-/** Names robots after their files. If files have the same name, the names of their folders are
- * added to all names. */
-std::vector<std::string> namesOf(const std::vector<std::string>& paths);
-
 }  // namespace map_fusion

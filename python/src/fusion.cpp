@@ -11,6 +11,7 @@
 
 #include "bindings.h"
 #include "fusion_base/error_text.h"
+#include "fusion_base/file_names.h"
 #include "poses.h"
 #include "results.h"
 #include "verdict.h"
@@ -31,6 +32,18 @@ namespace {
 
 using Poses = std::map<std::string, DoubleArray>;
 
+/** Names robots by the folders of their files, too, if files have the same name. */
+void nameByFolders(std::vector<Robot>& robots) {
+  std::vector<std::string> paths;
+  for (const Robot& robot : robots) {
+    const std::string& path = robot.map->origin().path;
+    paths.push_back(path.empty() ? robot.name : path);
+  }
+  const std::vector<std::string> names = mrpt::fusion::namesOf(paths);
+  for (size_t i = 0; i < robots.size(); i++)
+    if (!robots[i].map->origin().path.empty()) robots[i].name = names[i];
+}
+
 /** Returns the robots of a dict of maps by name, or of a list of maps. */
 std::vector<Robot> robotsOf(const py::object& maps) {
   std::vector<Robot> robots;
@@ -43,6 +56,7 @@ std::vector<Robot> robotsOf(const py::object& maps) {
       const std::string& name = loaded->origin().name;
       robots.push_back({name.empty() ? "map" + std::to_string(robots.size()) : name, loaded});
     }
+    nameByFolders(robots);
   }
   std::set<std::string> names;
   for (const Robot& robot : robots)

@@ -84,10 +84,17 @@ TEST_F(Messages, NameTheFormatOfAnUnknownExtension) {
     EXPECT_EQ(mapFusion(move + known).err, "") << known;
 }
 
-TEST_F(Messages, OfOneMapOrAMapTwiceAreUsageErrors) {
+TEST_F(Messages, OfOneMapAreUsageErrors) {
   expectLine("fuse " + pair("map_a.ot") + " -o fused.ot", 2, "holds one map");
   expectLine("match " + pair("map_a.ot"), 2, "");
-  expectLine("fuse " + both() + " " + pair("map_a.ot") + " -o fused.ot", 2, "is given twice");
+}
+
+TEST_F(Messages, SayThatAFileThatIsGivenTwiceCountsOnce) {
+  ASSERT_EQ(mapFusion("fuse " + both() + " -o once.ot").code, 0);
+  const auto r = mapFusion("fuse " + both() + " " + pair("map_a.ot") + " -o fused.ot");
+  EXPECT_EQ(r.code, 0);
+  EXPECT_TRUE(says(r.err, "map_a.ot: is given twice, and counts once")) << r.err;
+  EXPECT_TRUE(readFile(dir_ / "fused.ot") == readFile(dir_ / "once.ot"));
 }
 
 TEST_F(Messages, NameAllRobotsInTheSameWay) {

@@ -52,6 +52,14 @@ def test_rejects_wrong_places_and_merges_nothing(part_of):
     assert mf.merge("a.ot", "b.ot", wrong).nodes > 0
 
 
+def test_files_of_one_name_are_named_by_their_folders(tmp_path):
+    for folder, file in [("one", "a.ot"), ("two", "b.ot")]:
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "map.ot").write_bytes(Path(file).read_bytes())
+    result = mf.fuse([tmp_path / "one" / "map.ot", tmp_path / "two" / "map.ot"])
+    assert result.accepted and list(result.poses) == ["one_map", "two_map"]
+
+
 def test_copies_count_once():
     with pytest.warns(UserWarning, match="map B"):
         merged = mf.merge("a.ot", "a.ot", np.eye(4))

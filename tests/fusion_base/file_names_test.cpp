@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fusion_base/file_names.h"
+
+#include <gtest/gtest.h>
+
+namespace mrpt::fusion::test {
+namespace {
+
+using Names = std::vector<std::string>;
+
+TEST(FileNames, AreThoseOfTheFilesWithoutExtension) {
+  EXPECT_EQ(namesOf({"/maps/r1.ot", "r2.rawlog"}), (Names{"r1", "r2"}));
+}
+
+TEST(FileNames, HaveTheFoldersOfAllIfFilesHaveTheSameName) {
+  EXPECT_EQ(namesOf({"/x/one/maps/map.ot", "/x/two/maps/map.ot", "/y/three/other.ot"}),
+            (Names{"one_maps_map", "two_maps_map", "y_three_other"}));
+}
+
+TEST(FileNames, AreTheSameForTheSameFile) {
+  EXPECT_EQ(namesOf({"/x/map.ot", "/x/y/../map.ot"}), (Names{"map", "map"}));
+}
+
+TEST(FileNames, EndAtTheTopFolder) {
+  EXPECT_EQ(namesOf({"/map.ot", "/map.bt"}), (Names{"map", "map"}));
+}
+
+}  // namespace
+}  // namespace mrpt::fusion::test
