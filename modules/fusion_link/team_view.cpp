@@ -68,6 +68,7 @@ TeamKnowledge TeamView::update(const std::vector<MapSnapshot>& snapshots) {
     const Known& known = known_.at(member.robot);
     result.maps.push_back(*known.map);
     result.whole_maps += known.version > 0 ? 1 : 0;
+    if (known.version == 0) result.parts[member.robot] = known.bytes;
   }
   for (const MapSnapshot& s : snapshots) {
     const std::string name = nameOf(s.source);
@@ -114,7 +115,7 @@ void TeamView::meet(const MapSnapshot& s, Known& known) {
   if (outline.occupiedVoxels() == 0) return;
   const Alignment match = align(own->second.map->map, outline, Prior::none(), options_);
   known.meeting = {nameOf(s.source), match.match.T_a_b, match.evaluation.probability,
-                   match.evaluation.accepted};
+                   match.evaluation.accepted, s.outline->size()};
 }
 
 /** Returns the pose of another map's frame in the frame of the own map, if there is one. */

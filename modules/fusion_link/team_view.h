@@ -37,17 +37,19 @@ struct Meeting {
   Eigen::Isometry3d T_own_other;  ///< Pose of its map's frame in the frame of the own map
   double probability = 0;         ///< Probability that the pose is right, [0,1]
   bool accepted = false;          ///< True if the verdict on the match is positive
+  size_t bytes = 0;               ///< Bytes of the outline
 };
 
 /** What a robot knows of its team. */
 struct TeamKnowledge {
   std::shared_ptr<const TeamState>
-      state;                         ///< Fused map and members; its map is null if there is none
-  std::vector<RobotMap> maps;        ///< Maps of the state, in the order of its members
-  std::vector<Meeting> meetings;     ///< Robots of which only the outline is known
-  std::vector<WantedBlocks> wanted;  ///< Blocks in which the maps overlap
-  std::vector<std::string> notes;    ///< What went wrong
-  size_t whole_maps = 0;             ///< Number of maps that are in the state as a whole
+      state;                            ///< Fused map and members; its map is null if there is none
+  std::vector<RobotMap> maps;           ///< Maps of the state, in the order of its members
+  std::vector<Meeting> meetings;        ///< Robots of which only the outline is known
+  std::vector<WantedBlocks> wanted;     ///< Blocks in which the maps overlap
+  std::vector<std::string> notes;       ///< What went wrong
+  std::map<std::string, size_t> parts;  ///< Bytes of the maps of the state that are not whole
+  size_t whole_maps = 0;                ///< Number of maps that are in the state as a whole
 };
 
 /** Fuses the maps of a team as they arrive.

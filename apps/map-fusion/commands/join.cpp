@@ -192,12 +192,17 @@ class Member {
   static std::string textOf(const mrpt::fusion::Meeting& m) {
     const auto pose = mrpt::fusion::toPose(m.T_own_other);
     return m.robot + " meets this robot at " + pose.asString() + " (" +
-           std::to_string(static_cast<int>(100 * m.probability)) + " %)";
+           std::to_string(static_cast<int>(100 * m.probability)) + " %, by " +
+           std::to_string(m.bytes) + " bytes)";
   }
   std::string fusedText() const {
     std::string names;
-    for (const FusionMember& m : known_.state->members)
-      if (m.joined) names += " " + m.robot;
+    for (const FusionMember& m : known_.state->members) {
+      if (!m.joined) continue;
+      names += " " + m.robot;
+      if (const auto part = known_.parts.find(m.robot); part != known_.parts.end())
+        names += " (" + std::to_string(part->second) + " bytes of it)";
+    }
     return "fused" + names;
   }
 

@@ -54,19 +54,20 @@ std::string configOf(const DdsSettings& settings) {
     checkAddress(peer);
     peers += "<Peer Address=\"" + peer + "\"/>";
   }
-  std::string config = "<Domain Id=\"any\"><General><AllowMulticast>" +
-                       std::string(settings.peers.empty() ? "spdp" : "false") +
-                       "</AllowMulticast><MaxMessageSize>1452B</MaxMessageSize>"
-                       "<FragmentSize>1344B</FragmentSize></General>"
-                       "<Discovery><ParticipantIndex>auto</ParticipantIndex>"
-                       "<MaxAutoParticipantIndex>4</MaxAutoParticipantIndex>"
-                       "<SPDPInterval>4s</SPDPInterval><LeaseDuration>12s</LeaseDuration>"
-                       "<Peers>" +
-                       peers +
-                       "</Peers></Discovery>"
-                       "<Internal><Watermarks><WhcHigh>16kB</WhcHigh><WhcLow>8kB</"
-                       "WhcLow><WhcHighInit>16kB</WhcHighInit>"
-                       "<WhcAdaptive>false</WhcAdaptive></Watermarks></Internal></Domain>";
+  std::string config =
+      "<Domain Id=\"any\"><General><AllowMulticast>" +
+      std::string(settings.peers.empty() ? "spdp" : "false") +
+      "</AllowMulticast><MaxMessageSize>1452B</MaxMessageSize>"
+      "<FragmentSize>1344B</FragmentSize></General>"
+      "<Discovery><ParticipantIndex>auto</ParticipantIndex>"
+      "<MaxAutoParticipantIndex>4</MaxAutoParticipantIndex>"
+      "<SPDPInterval>4s</SPDPInterval><LeaseDuration>12s</LeaseDuration>"
+      "<Peers>" +
+      peers +
+      "</Peers></Discovery>"
+      "<Internal><NackDelay>500ms</NackDelay><HeartbeatInterval>500ms</HeartbeatInterval>"
+      "<Watermarks><WhcHigh>8kB</WhcHigh><WhcHighInit>8kB</WhcHighInit><WhcLow>2kB</WhcLow>"
+      "<WhcAdaptive>false</WhcAdaptive></Watermarks></Internal></Domain>";
   if (const char* more = std::getenv("CYCLONEDDS_URI"); more && *more)
     config += std::string(",") + more;
   return config;

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Tests of map-fusion join: robots that meet over a thin link. */
+#include <unistd.h>
+
+#include <chrono>
+#include <functional>
+#include <string>
+#include <thread>
+
+#include "apps/run.h"
+
+namespace {
+
+using std::chrono::seconds;
+
+/** Robots r1, r2, ... with small maps, each in a network namespace. */
+class Join : public AppTest {
+ protected:
+  void SetUp() override {
+    AppTest::SetUp();
+#ifndef HAS_LINK
+    GTEST_SKIP() << "this build has no CycloneDDS";
+#endif
+    // Three maps of 20 kB each: less than a second of the link.
+    map("r1", pair("map_a.ot"), "[0 0 0 0 0 0]");
+    map("r2", pair("map_b.ot"), "[0 0 0 0 0 0]");
+    ASSERT_EQ(mapFusion("build -q " + pair("all.rawlog") + " -o all.ot").code, 0);
+    map("r3", "all.ot", "[3 -2 0.1 50 0 0]");
+  }
+  void TearDown() override {
+    if (has_network_) network("down");
+    run("for p in *.pid; do kill -9 $(cat $p); done");
+    AppTest::TearDown();
+  }
+
+  /** Makes a map with voxels of 0.25 m, in another frame. */
+  void map(const std::string& name, const std::string& from, const std::string& pose) {
+    const auto made = mapFusion("transform -q " + from + " --resolution 0.25 --pose '" + pose +
+                                "' -o " + name + ".ot");
+    ASSERT_EQ(made.code, 0) << made.err;
+  }
+  /** Calls network.sh. */
+  Result network(const std::string& what, const std::string& arguments = "") {
+    return run(std::string(NETWORK) + " " + what + " " + prefix() + " " + arguments);
+  }
+  /** Makes the namespaces. \return False if that is not possible here. */
+  bool connect(int robots) {
+    has_network_ = true;
+    const auto up = network("up", std::to_string(robots));
+    reason_ = "no network namespaces with tc and nft here: " + up.err;
+    return up.code == 0;
+  }
+  static std::string prefix() { return "mf" + std::to_string(::getpid()) + "r"; }
+
+  /** Starts robot \a i in its namespace. */
+  void start(int i, const std::string& more = "") {
+    const std::string n = std::to_string(i), r = "r" + n;
+    run("setsid ip netns exec " + prefix() + n + " " MAP_FUSION " join --robot " + r + " --map " +
+        r + ".ot --domain 7 -o fused" + n + ".ot --journal journal" + n + " " + more + " >>log" +
+        n + " 2>&1 & echo $! >" + r + ".pid");
+  }
+  void signal(int i, const char* name) {
+    run(std::string("kill -") + name + " $(cat r" + std::to_string(i) + ".pid)");
+  }
+  bool allEnded() const {
+    return run("for p in r?.pid; do ! kill -0 $(cat $p) || exit 1; done").code == 0;
+  }
+  /** Waits until something holds. \return False if it takes too long. */
+  static bool waitFor(const std::function<bool()>& holds, seconds most) {
+    const auto end = std::chrono::steady_clock::now() + most;
+    while (!holds()) {
+      if (std::chrono::steady_clock::now() > end) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    }
+    return true;
+  }
+  /** Fuses the maps as `map-fusion fuse` does it, to expected.ot. */
+  void expectFusionOf(const std::string& maps) {
+    const auto fused = mapFusion("fuse -q " + maps + " -o expected.ot");
+    ASSERT_EQ(fused.code, 0) << fused.err;
+  }
+  bool hasExpected(int i) const {
+    const fs::path fused = dir_ / ("fused" + std::to_string(i) + ".ot");
+    return fs::exists(fused) && readFile(fused) == readFile(dir_ / "expected.ot");
+  }
+  std::string logs() const {
+    std::string text;
+    for (int i = 1; i <= 3; i++)
+      text += "log" + std::to_string(i) + ":\n" + readFile(dir_ / ("log" + std::to_string(i)));
+    return text;
+  }
+
+  bool has_network_ = false;
+  std::string reason_;
+};
+
+class JoinWithLoss : public Join, public testing::WithParamInterface<int> {};
+
+TEST_P(JoinWithLoss, ThreeRobotsOfWhichOneComesLateGetTheFusedMapOfFuse) {
+  ASSERT_NO_FATAL_FAILURE(expectFusionOf("r1.ot r2.ot r3.ot"));
+  if (!connect(3)) GTEST_SKIP() << reason_;
+  ASSERT_EQ(network("loss", "2 " + std::to_string(GetParam())).code, 0);
+  start(1);
+  start(2);
+  std::this_thread::sleep_for(seconds(5));
+  start(3);
+  for (int i = 1; i <= 3; i++)
+    ASSERT_TRUE(waitFor([&] { return hasExpected(i); }, seconds(60))) << i << "\n" << logs();
+  for (int i = 1; i <= 3; i++) signal(i, "TERM");
+  EXPECT_TRUE(waitFor([&] { return allEnded(); }, seconds(10)));
+}
+
+INSTANTIATE_TEST_SUITE_P(Percent, JoinWithLoss, testing::Values(0, 20, 60));
+
+TEST_F(Join, AfterAPartitionAndAKillAllRobotsHaveTheSameMapAgain) {
+  if (!connect(3)) GTEST_SKIP() << reason_;
+  ASSERT_NO_FATAL_FAILURE(expectFusionOf("r1.ot r2.ot"));
+  start(1);
+  start(2);
+  ASSERT_TRUE(waitFor([&] { return hasExpected(1) && hasExpected(2); }, seconds(40))) << logs();
+  ASSERT_EQ(network("cut", "1").code, 0);
+  signal(2, "KILL");
+  map("r1", pair("map_a.ot"), "[0 0 0 5 0 0]");  // r1 changes its map while nobody hears it
+  start(3);
+  std::this_thread::sleep_for(seconds(8));
+  start(2);
+  std::this_thread::sleep_for(seconds(8));
+  ASSERT_NO_FATAL_FAILURE(expectFusionOf("r1.ot r2.ot r3.ot"));
+  ASSERT_EQ(network("heal", "1").code, 0);
+  for (int i = 1; i <= 3; i++)
+    ASSERT_TRUE(waitFor([&] { return hasExpected(i); }, seconds(30))) << i << "\n" << logs();
+}
+
+TEST_F(Join, ARobotAloneContinuesWithWhatItsJournalHolds) {
+  if (!connect(2)) GTEST_SKIP() << reason_;
+  ASSERT_NO_FATAL_FAILURE(expectFusionOf("r1.ot r2.ot"));
+  start(1);
+  start(2);
+  ASSERT_TRUE(waitFor([&] { return hasExpected(1) && hasExpected(2); }, seconds(40))) << logs();
+  signal(1, "KILL");
+  signal(2, "KILL");
+  fs::remove(dir_ / "fused2.ot");
+  start(2);
+  EXPECT_TRUE(waitFor([&] { return hasExpected(2); }, seconds(15))) << logs();
+}
+
+TEST_F(Join, EndsWhenAllMapsAreThereAndSaysWhatIsGoingOn) {
+  ASSERT_NO_FATAL_FAILURE(expectFusionOf("r1.ot r2.ot"));
+  if (!connect(2)) GTEST_SKIP() << reason_;
+  start(1, "--peer 10.77.0.2 --until-complete 2 --poses-out p.g2o --report page.html");
+  start(2, "--peer 10.77.0.1 --until-complete 2");
+  EXPECT_TRUE(waitFor([&] { return allEnded(); }, seconds(50))) << logs();
+  EXPECT_TRUE(hasExpected(1) && hasExpected(2)) << logs();
+  EXPECT_TRUE(fs::exists(dir_ / "p.g2o") && fs::exists(dir_ / "page.html"));
+  EXPECT_NE(readFile(dir_ / "log1").find("r1 complete | r2 complete | fused r1 r2\n"),
+            std::string::npos)
+      << logs();
+}
+
+TEST_F(Join, BadInputIsOneLine) {
+  writeFile(dir_ / "bad.ot", "no map");
+  const std::string name(64, 'n');
+  for (const std::string arguments :
+       {"--robot r1 --map none.ot", "--robot r1 --map bad.ot", "--robot '' --for 1",
+        "--robot r1 --peer 'a b' --for 1", "--robot r1 --journal r1.ot --for 1"}) {
+    const auto bad = mapFusion("join --domain 9 " + arguments);
+    EXPECT_EQ(bad.code, 1) << arguments << bad.out;
+    EXPECT_EQ(std::count(bad.err.begin(), bad.err.end(), '\n'), 1) << arguments << "\n" << bad.err;
+  }
+  EXPECT_EQ(mapFusion("join --robot " + name + " --for 1").code, 1);
+  EXPECT_EQ(mapFusion("join --map r1.ot").code, 2);
+  EXPECT_EQ(mapFusion("join --robot r1 --domain 500").code, 2);
+}
+
+}  // namespace
