@@ -33,4 +33,16 @@ TEST_F(InstalledApp, WithoutItsModuleStillFusesOctreesAndSaysWhatIsMissingForThe
   EXPECT_NE(info.err.find("libmap-fusion-mrpt.so"), std::string::npos) << info.err;
 }
 
+TEST_F(InstalledApp, WithoutTheModuleOfTheLinkJoinSaysWhatIsMissing) {
+  const auto copied =
+      run("cp -a " INSTALLED_PREFIX " app && find app -name libmap-fusion-dds.so -delete");
+  ASSERT_EQ(copied.code, 0) << copied.err;
+  const auto join = run("app/bin/map-fusion join --robot r1 --for 1");
+  EXPECT_EQ(join.code, 1);
+  EXPECT_EQ(std::count(join.err.begin(), join.err.end(), '\n'), 1) << join.err;
+  EXPECT_TRUE(join.err.find("libmap-fusion-dds.so") != std::string::npos ||
+              join.err.find("CycloneDDS") != std::string::npos)
+      << join.err;
+}
+
 }  // namespace
