@@ -14,7 +14,7 @@ packages=(
   libpng-dev
   libcli11-dev nlohmann-json3-dev
   cyclonedds-dev cyclonedds-tools   # map-fusion join: the link between robots
-  pybind11-dev python3-dev python3-numpy # the Python module
+  pybind11-dev python3-dev python3-numpy python3-venv # the Python module
   libgtest-dev python3-pytest mypy man-db
   mrpt-apps mrpt-common             # tests: MRPT's programs, sample data
   doxygen                           # tests: every public symbol is documented
