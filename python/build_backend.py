@@ -22,6 +22,7 @@ VERSION = re.search(r"project\(mrpt-fusion VERSION (\S+)", PROJECT).group(1)
 SUMMARY = re.search(r'DESCRIPTION "([^"]+)"', PROJECT).group(1)
 TAG = "cp{0}{1}-cp{0}{1}-{2}".format(*sys.version_info[:2],
                                      re.sub(r"[-.]", "_", sysconfig.get_platform()))
+INFO = f"mrpt_fusion-{VERSION}.dist-info"
 METADATA = f"""Metadata-Version: 2.1
 Name: mrpt-fusion
 Version: {VERSION}
@@ -36,9 +37,8 @@ Description-Content-Type: text/markdown
 EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
-def install(prefix):
-    """Builds the module, and installs the package below prefix."""
-    build = ROOT / "build" / f"wheel-{TAG}"
+def install(prefix, build):
+    """Builds the module in the folder build, and installs the package below prefix."""
 
     def cmake(*arguments):
         subprocess.run(["cmake", *map(str, arguments)], check=True)
@@ -50,19 +50,35 @@ def install(prefix):
     cmake("--install", build, "--component", "python", "--prefix", prefix, "--strip")
 
 
+def information():
+    """The files of the wheel's .dist-info folder, without RECORD, by their names in the wheel."""
+    return {
+        f"{INFO}/METADATA": METADATA.encode(),
+        f"{INFO}/WHEEL": (f"Wheel-Version: 1.0\nGenerator: mrpt-fusion {VERSION}\n"
+                          f"Root-Is-Purelib: false\nTag: {TAG}\n").encode(),
+        f"{INFO}/LICENSE": (ROOT / "LICENSE").read_bytes(),
+    }
+
+
+def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
+    for name, data in information().items():
+        path = Path(metadata_directory) / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(data)
+    return INFO
+
+
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
-    info = f"mrpt_fusion-{VERSION}.dist-info"
+    """Setting build-dir: folder of the build. The default is a folder of its own below build/."""
+    build = ROOT / (config_settings or {}).get("build-dir", f"build/wheel-{TAG}")
     files = {}
     with tempfile.TemporaryDirectory() as prefix:
-        install(prefix)
+        install(prefix, build)
         for file in sorted(Path(prefix).rglob("*")):
             if file.is_file():
                 files[file.relative_to(prefix).as_posix()] = file.read_bytes()
-    files[f"{info}/METADATA"] = METADATA.encode()
-    files[f"{info}/WHEEL"] = (f"Wheel-Version: 1.0\nGenerator: mrpt-fusion {VERSION}\n"
-                              f"Root-Is-Purelib: false\nTag: {TAG}\n").encode()
-    files[f"{info}/LICENSE"] = (ROOT / "LICENSE").read_bytes()
-    record = f"{info}/RECORD"
+    files.update(information())
+    record = f"{INFO}/RECORD"
     files[record] = "".join(
         f"{name},sha256={base64.urlsafe_b64encode(hashlib.sha256(data).digest()).decode().rstrip('=')}"
         f",{len(data)}\n" for name, data in files.items()).encode() + f"{record},,\n".encode()
