@@ -30,6 +30,7 @@ COMMENTS = {
 MIN_OVERLAP = 1e-3
 MAX_RUNNER_UP = 1.0  # a rival that agrees better than the pose is no stronger evidence
 MIN_RIVAL_SUPPORT = 0.05  # a rival that confirms less counts less
+OTHER_SIDE_RIVAL = 0.25  # weight of a rival that is confirmed only from the other side
 TOLERANCE_M, TOLERANCE_DEG = 0.6, 6  # a pose is right within both
 MIN_PROBABILITY = 0.85  # of an accepted match
 MODEL = Path(__file__).resolve().parent.parent / "share/mrpt_fusion/config_files/verdict_model.ini"
@@ -43,7 +44,9 @@ def rival_weight(row):
     runner_up = float(row["runner_up"])
     if runner_up > 1:
         return MAX_RUNNER_UP
-    return runner_up * min(float(row["rival_support"]) / MIN_RIVAL_SUPPORT, 1)
+    support, facing = (min(float(row[key]) / MIN_RIVAL_SUPPORT, 1)
+                       for key in ("rival_support", "rival_same_side"))
+    return runner_up * support * (facing + (1 - facing) * OTHER_SIDE_RIVAL)
 
 
 def building_of(dataset):
@@ -56,8 +59,8 @@ def read(paths):
     for path in paths:
         with open(path, newline="", encoding="utf-8") as file:
             for row in csv.DictReader(file):
-                if "rival_support" not in row:
-                    sys.exit(f"{path}: has no column rival_support: run fusion-benchmark kinds")
+                if "rival_same_side" not in row:
+                    sys.exit(f"{path}: has no column rival_same_side: run fusion-benchmark kinds")
                 evidence.append([1, np.log(max(float(row["matched_overlap"]), MIN_OVERLAP)),
                                  float(row["conflict_ratio"]), rival_weight(row),
                                  float(row["inlier_ratio"])])

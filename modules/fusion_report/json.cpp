@@ -68,6 +68,7 @@ Json matchJson(const Alignment& info) {
           {"log_likelihood", e.log_likelihood},
           {"runner_up", e.runner_up},
           {"rival_support", e.rival_support},
+          {"rival_same_side", e.rival_same_side},
           {"rival_weight", e.rival_weight},
           {"probability", e.probability},
           {"deviation_m", e.deviation.translation},

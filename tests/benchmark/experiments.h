@@ -15,6 +15,7 @@ namespace mrpt::fusion::benchmark {
 struct Effort {
   unsigned stride = 1;  ///< take every so many-th start, cut, ...
   unsigned rounds = 5;  ///< measure times so often
+  std::string kind;     ///< the only kind of maps to judge; empty: all kinds
 };
 
 /** Table II: sizes of the maps and their overlap. */

@@ -92,7 +92,7 @@ void judgeKinds(const MapPair& pair, const std::vector<MapPair>& others, const E
   writeRow(csv,
            "dataset,kind,case,overlap,error_m,error_deg,scale,probability,verdict,matched_overlap,"
            "conflict_ratio,runner_up,inlier_ratio,missed_ratio,without_free,rival_support,"
-           "size_ratio");
+           "rival_same_side,size_ratio");
   const auto judge = [&](const std::string& kind, const std::string& of, const MapPair& maps,
                          bool has_truth) {
     if (extractOccupiedVoxels(*maps.a).size() == 0 || extractOccupiedVoxels(*maps.b).size() == 0)
@@ -104,9 +104,10 @@ void judgeKinds(const MapPair& pair, const std::vector<MapPair>& others, const E
     writeRow(csv, pair.name, kind, of, has_truth ? trueOverlap(maps) : 0,
              has_truth ? error.centre : kInfinity, error.angle * 180 / M_PI, r.scale, r.probability,
              verdictText(r.accepted), r.overlap, r.conflict_ratio, r.runner_up, r.inlier_ratio,
-             r.missed_ratio, r.without_free, r.rival_support, r.size_ratio);
+             r.missed_ratio, r.without_free, r.rival_support, r.rival_same_side, r.size_ratio);
   };
   for (const auto& [kind, change] : kindsOf(pair)) {
+    if (!effort.kind.empty() && kind != effort.kind) continue;
     std::mt19937 generator(7);
     size_t stranger = 0;
     for (unsigned i = 0; i < kParts; i++) {

@@ -76,6 +76,7 @@ int run(int argc, char** argv) {
       ->required();
   app.add_option("--method", method, "For starts: which method");
   app.add_option("--other", others, "For kinds: folders of pairs of other places");
+  app.add_option("--kind", effort.kind, "For kinds: the only kind of maps, as the table names it");
   app.add_option("--stride", effort.stride, "Take every so many-th start or cut")
       ->check(CLI::PositiveNumber);
   app.add_option("--rounds", effort.rounds, "For speed: how often to measure")

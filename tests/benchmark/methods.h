@@ -24,11 +24,12 @@ struct Registration {
   double probability = 0;        ///< of being right, as the method has it
   /** Evidence of the verdict, if the method gives one; each in [0,1]. */
   double overlap = 0, conflict_ratio = 0, runner_up = 0, inlier_ratio = 0;
-  double rival_support = 0;  ///< obstacles that the rival confirms, over those of the pose
-  double missed_ratio = 0;   ///< of obstacles compared with a map without free space
-  double without_free = 0;   ///< share of the maps that have no free space: 0, 0.5 or 1
-  double scale = 1;          ///< factor of the lengths of the settings
-  double size_ratio = 1;     ///< size of map B over the size of map A
+  double rival_support = 0;    ///< obstacles that the rival confirms, over those of the pose
+  double rival_same_side = 0;  ///< the same of obstacles that both maps see from the same side
+  double missed_ratio = 0;     ///< of obstacles compared with a map without free space
+  double without_free = 0;     ///< share of the maps that have no free space: 0, 0.5 or 1
+  double scale = 1;            ///< factor of the lengths of the settings
+  double size_ratio = 1;       ///< size of map B over the size of map A
   /** Of a left perturbation (translation, rotation), if the method gives one. */
   std::optional<Eigen::Matrix<double, 6, 6>> covariance;
 };

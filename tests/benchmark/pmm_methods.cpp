@@ -30,6 +30,7 @@ class Matching : public Method {
     r.runner_up = evaluation.runner_up;
     r.inlier_ratio = evaluation.inlier_ratio;
     r.rival_support = evaluation.rival_support;
+    r.rival_same_side = evaluation.rival_same_side;
     r.missed_ratio = evaluation.free_space.missedRatio();
     r.without_free = evaluation.without_free_space;
     r.scale = found.scale;

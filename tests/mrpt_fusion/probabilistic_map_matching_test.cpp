@@ -123,6 +123,7 @@ std::vector<Number> numbersOf(Options& o) {
           {"min_threshold", &v.min_threshold, 0.55},
           {"max_threshold", &v.max_threshold, 0.75},
           {"min_rival_support", &v.min_rival_support, 0.1},
+          {"other_side_rival", &v.other_side_rival, 0.5},
           {"max_size_difference", &v.max_size_difference, 0.03},
           {"held_probability", &v.held_probability, 0.9},
           {"tolerance_translation", &v.tolerance.translation, 0.5},

@@ -65,6 +65,20 @@ Obstacles obstaclesOf(const MapVoxels& map, const SurfaceVoxels& voxels,
   return obstacles;
 }
 
+size_t confirmedFromSameSide(const MapVoxels& a, const Obstacles& of_a, const MapVoxels& b,
+                             const Obstacles& of_b, const Eigen::Isometry3d& T_a_b,
+                             const AgreementParams& params) {
+  const double before = params.front_voxels * std::max(a.voxels.resolution, b.voxels.resolution);
+  const auto count = [&](const MapVoxels& map, const Obstacles& obstacles,
+                         const Eigen::Isometry3d& T) {
+    size_t confirmed = 0;
+    for (size_t i = 0; i < obstacles.centre.size(); i++)
+      if (checkFromSameSide(map, obstacles, i, before, T) == ObstacleCheck::Confirmed) confirmed++;
+    return confirmed;
+  };
+  return count(a, of_b, T_a_b) + count(b, of_a, T_a_b.inverse());
+}
+
 double agreement(const MapVoxels& a, const Obstacles& of_a, const MapVoxels& b,
                  const Obstacles& of_b, const Eigen::Isometry3d& T_a_b,
                  const AgreementParams& params) {

@@ -4,6 +4,7 @@
 #include <mrpt/fusion/evaluation.h>
 
 #include <Eigen/Geometry>
+#include <cstddef>
 #include <vector>
 
 #include "fusion_core/features/surfaces.h"
@@ -35,6 +36,12 @@ Obstacles obstaclesOf(const MapVoxels& map, const SurfaceVoxels& voxels,
  * \param[in] T Pose of the other map in the frame of the map. */
 ObstacleCheck checkFromSameSide(const MapVoxels& map, const Obstacles& obstacles, size_t i,
                                 double before, const Eigen::Isometry3d& T);
+
+/** Returns the number of obstacles that the other map confirms from the same side, see
+ * checkFromSameSide(). Both maps count. Cost: O(obstacles). */
+size_t confirmedFromSameSide(const MapVoxels& a, const Obstacles& of_a, const MapVoxels& b,
+                             const Obstacles& of_b, const Eigen::Isometry3d& T_a_b,
+                             const AgreementParams& params = {});
 
 /** Returns the agreement of two maps at a pose (not in the paper): the number of obstacles that the
  * other map confirms, times exp(-r / tolerance). r is the conflict ratio: obstacles in the other

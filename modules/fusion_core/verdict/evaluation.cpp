@@ -10,8 +10,10 @@
 
 #include "fusion_base/parallel.h"
 #include "fusion_base/whole_number.h"
+#include "fusion_core/features/thinning.h"
 #include "fusion_core/map/occupancy_query.h"
 #include "fusion_core/registration/pose_covariance.h"
+#include "fusion_core/verdict/agreement.h"
 #include "fusion_core/verdict/reasons.h"
 
 namespace mrpt::fusion {
@@ -34,9 +36,34 @@ double coarseningTo(double size, const OccupiedVoxels& voxels) {
   return static_cast<double>(countInVoxelsOf(size, voxels)) / static_cast<double>(voxels.size());
 }
 
-Rival rivalOf(const MatchResult& match) {
+/** Returns the factor of the weight of a rival for the obstacles that it confirms, see
+ * EvaluationParams::min_rival_support. */
+double rivalShare(const Evaluation& e, const EvaluationParams& params) {
+  const auto share = [&](double support) {
+    return support < params.min_rival_support ? support / params.min_rival_support : 1;
+  };
+  const double facing = share(e.rival_same_side);
+  return share(e.rival_support) * (facing + (1 - facing) * params.other_side_rival);
+}
+
+/** Returns Evaluation::rival_same_side. */
+double sameSideSupport(const Eigen::Isometry3d& rival, const MapFeatures& a, const MapFeatures& b,
+                       const Eigen::Isometry3d& T_a_b, const EvaluationParams& params) {
+  const auto obstacles = [&](const MapFeatures& map) {
+    return obstaclesOf(map, fewOf(map.matched, 0, params.voxels));
+  };
+  const Obstacles of_a = obstacles(a), of_b = obstacles(b);
+  const size_t of_match = confirmedFromSameSide(a, of_a, b, of_b, T_a_b);
+  if (of_match == 0) return 1;
+  const size_t of_rival = confirmedFromSameSide(a, of_a, b, of_b, rival);
+  return std::min(1.0, static_cast<double>(of_rival) / static_cast<double>(of_match));
+}
+
+Rival rivalOf(const MapFeatures& a, const MapFeatures& b, const MatchResult& match,
+              const EvaluationParams& params) {
   if (match.runnerUp() <= 0) return {};
-  return {match.runnerUp(), match.hypotheses[1].T_a_b};
+  const Eigen::Isometry3d& T = match.hypotheses[1].T_a_b;
+  return {match.runnerUp(), T, [&, T] { return sameSideSupport(T, a, b, match.T_a_b, params); }};
 }
 
 }  // namespace
@@ -129,24 +156,22 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
   if (rival.T_a_b && !is_sure && e.free_space.agreeing > 0)
     e.rival_support = std::min(1.0, static_cast<double>(bothWays(*rival.T_a_b).agreeing) /
                                         static_cast<double>(e.free_space.agreeing));
-  e.rival_weight = rival.ratio;
-  const bool lacks_support = rival.ratio <= 1 && e.rival_support < params.min_rival_support;
-  if (lacks_support) e.rival_weight *= e.rival_support / params.min_rival_support;
+  if (rival.same_side && !is_sure) e.rival_same_side = rival.same_side();
+  e.rival_weight = rival.ratio * (rival.ratio > 1 ? 1 : rivalShare(e, params));
   e.without_free_space = 0.5 * ((a.has_free_space ? 0 : 1) + (b.has_free_space ? 0 : 1));
 
   e.size_ratio = size_ratio;
   e.deviation = deviation;
   e.probability = probabilityWith(e.rival_weight);
-  decide({a.voxels.resolution, b.voxels.resolution, rival.T_a_b, lacks_support, stays,
-          probabilityWith(0)},
-         params, e);
+  decide({a.voxels.resolution, b.voxels.resolution, rival.T_a_b, stays, probabilityWith(0)}, params,
+         e);
   return e;
 }
 
 Evaluation judge(const MapFeatures& a, const MapFeatures& b, const MatchResult& match,
                  const EvaluationParams& params) {
   if (isEmpty(a, b)) return evaluateMatch(a, b, {}, match.T_a_b, params);
-  return evaluateMatch(a, b, match.pairs, match.T_a_b, params, rivalOf(match),
+  return evaluateMatch(a, b, match.pairs, match.T_a_b, params, rivalOf(a, b, match, params),
                        deviationAt(match.covariance, match.T_a_b * meanOf(b.matched.voxels.centre)),
                        match.size_ratio);
 }

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <functional>
 #include <optional>
 
 #include "fusion_core/features/features.h"
@@ -36,6 +37,8 @@ FreeSpaceCheck checkFreeSpace(const MapVoxels& a, const OccupiedVoxels& b,
 struct Rival {
   double ratio = 0;  ///< Agreement over the agreement of the match, see MatchResult::runnerUp()
   std::optional<Eigen::Isometry3d> T_a_b;  ///< The pose, if it is known; the reasons name it
+  /** Returns Evaluation::rival_same_side. It is called if the match is not sure; empty: 1. */
+  std::function<double()> same_side = {};
 };
 
 /** Computes the verdict from eqs. (23)-(25) on the pairs of a match, and from evidence that these

@@ -59,6 +59,8 @@ Parameters parametersOf(EvaluationParams& params) {
              "Largest agreement of the second best pose over that of the best; 1: not tested"),
       advanced(number("min_rival_support", params.min_rival_support, 1e-6, 1,
                       "Rivals that confirm less, over what the match confirms, count less")),
+      advanced(number("other_side_rival", params.other_side_rival, 0, 1,
+                      "Weight of a rival that is confirmed only from the other side")),
       advanced(number("threshold_without_overlap", params.threshold_without_overlap, 0, 2,
                       "Least inlier ratio at no overlap, before the two limits")),
       advanced(number("threshold_per_overlap", params.threshold_per_overlap, 0, 2,

@@ -106,12 +106,14 @@ void judgeRival(const Circumstances& circumstances, const EvaluationParams& para
   const std::string reaches = pose + " reaches " +
                               percentBeside(params.max_runner_up, e.runner_up) +
                               " of the agreement of this pose";
-  if (!circumstances.rival_lacks_support)
+  if (e.rival_weight >= e.runner_up)
     return judge(is_weak, reaches + ", at most " + limit + " are allowed",
                  reaches + ", more than " + limit, e);
-  const std::string counts = reaches + ". It confirms only " + percent(e.rival_support) +
-                             " of the obstacles that this pose confirms, so it counts as " +
-                             percentBeside(params.max_runner_up, e.rival_weight);
+  const bool is_small = e.rival_support < params.min_rival_support;
+  const std::string counts =
+      reaches + ". It confirms only " + percent(is_small ? e.rival_support : e.rival_same_side) +
+      " of the obstacles that this pose confirms" + (is_small ? "" : " from the same side") +
+      ", so it counts as " + percentBeside(params.max_runner_up, e.rival_weight);
   judge(is_weak, counts + ", at most " + limit + " are allowed", counts + ", more than " + limit,
         e);
 }

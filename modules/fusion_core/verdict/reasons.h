@@ -15,7 +15,6 @@ namespace mrpt::fusion {
 struct Circumstances {
   double voxel_a = 0, voxel_b = 0;         ///< Voxel sizes of both maps, m
   std::optional<Eigen::Isometry3d> rival;  ///< Pose of the best rival, if it is known
-  bool rival_lacks_support = false;        ///< True if the rival counts less for this reason
   double probability_of_staying = 1;       ///< See probabilityOfStaying()
   double probability_without_rival = 0;    ///< Probability of the pose if it had no rival
 };

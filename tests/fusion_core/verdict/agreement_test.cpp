@@ -111,6 +111,20 @@ TEST(Agreement, AsksBothMaps) {
       << "beside an obstacle";
 }
 
+TEST(ConfirmedFromSameSide, CountsNoObstacleSeenFromTheOtherSide) {
+  const Map a = wallAndAir(), b = wallAndAir();
+  const auto facing = [](float x) {
+    return obstaclesAt({{5, 1, 1}, {5, 5, 5}, {5, 8, 2}}, {x, 0, 0});
+  };
+  const auto count = [&](const Obstacles& of_a, const Obstacles& of_b) {
+    return confirmedFromSameSide(a.voxels, of_a, b.voxels, of_b, kIdentity);
+  };
+  EXPECT_EQ(count(facing(-1), facing(-1)), 6U) << "both maps, towards the air";
+  EXPECT_EQ(count(facing(-1), facing(1)), 3U) << "those of B are seen from behind";
+  EXPECT_EQ(count(facing(1), facing(1)), 0U);
+  EXPECT_EQ(count(facing(0), {}), 3U) << "the side is not known";
+}
+
 TEST(ObstaclesOf, FaceTheAirBeforeThem) {
   const Map wall = wallAndAir();
   for (const float normal : {-1.F, 1.F}) {

@@ -250,6 +250,52 @@ TEST(EvaluateMatch, ARivalThatConfirmsNextToNothingCountsLess) {
   EXPECT_FALSE(judged(1.1, beside).accepted) << "it agrees better";
 }
 
+TEST(EvaluateMatch, ARivalFromTheOtherSideCountsLess) {
+  Case c{wall(), wall()};
+  c.params.min_rival_support = 0.2;
+  c.params.other_side_rival = 0.4;
+  const Pairs good = {{0, 0, 0}, {1, 1, 0}, {2, 2, 0}, {3, 3, 0}, {4, 4, 0}};
+  const auto judged = [&](double ratio, double same_side) {
+    const Rival rival{ratio, c.T_a_b, [=] { return same_side; }};
+    return evaluateMatch(c.a, c.b, good, c.T_a_b, c.params, rival);
+  };
+  EXPECT_EQ(judged(0.9, 0.2).rival_weight, 0.9);
+  EXPECT_NEAR(judged(0.9, 0.1).rival_weight, 0.7 * 0.9, 1e-12) << "half of the way";
+  const Evaluation none = judged(0.9, 0);
+  EXPECT_EQ(none.rival_support, 1);
+  EXPECT_EQ(none.rival_same_side, 0);
+  EXPECT_NEAR(none.rival_weight, 0.4 * 0.9, 1e-12);
+  EXPECT_TRUE(none.accepted);
+  EXPECT_NE(reasonsOf(none).find("It confirms only 0.0 % of the obstacles that this pose confirms "
+                                 "from the same side, so it counts as 36.0 %"),
+            std::string::npos)
+      << reasonsOf(none);
+  EXPECT_EQ(judged(1.1, 0).rival_weight, 1.1) << "it agrees better";
+}
+
+TEST(Judge, ARoomBackToBackIsARivalFromTheOtherSide) {
+  const auto room = [] {
+    std::shared_ptr<const octomap::OcTree> tree = MapWriter()
+                                                      .box({0, 0, 0}, {19, 19, 19}, kOccupied)
+                                                      .box({1, 1, 1}, {18, 18, 18}, kFree)
+                                                      .pruned();
+    return computeFeatures(tree, FeatureParams());
+  };
+  const MapFeatures a = room(), b = room();
+  MatchResult match;
+  const auto of = [&](const Eigen::Isometry3d& rival) {
+    match.hypotheses = {{kIdentity, 1, Matrix6d::Identity()}, {rival, 0.7, Matrix6d::Identity()}};
+    return judge(a, b, match, EvaluationParams());
+  };
+  const Evaluation back_to_back = of(poseOf(2, 0, 0, 0));
+  EXPECT_GT(back_to_back.rival_support, 0.1);
+  EXPECT_LT(back_to_back.rival_same_side, 0.02);
+  EXPECT_LT(back_to_back.rival_weight, 0.3);
+  const Evaluation turned = of(poseOf(2, 0, 0, 90));
+  EXPECT_GT(turned.rival_same_side, 0.9) << "the same room";
+  EXPECT_EQ(turned.rival_weight, 0.7);
+}
+
 TEST(EvaluateMatch, IsRejectedBelowTheLeastProbability) {
   Case c{wall(), wall()};
   const Evaluation e = c.withPairs(100, 0, 0);

@@ -80,6 +80,10 @@ struct EvaluationParams {
    * agree well, but it confirms next to nothing. A rival with less support counts in proportion,
    * unless it agrees better than the match. */
   double min_rival_support = 0.05;
+  /** Weight of a rival whose support is from the other side, [0,1]: below min_rival_support of the
+   * obstacles are seen from the same side. Such a rival lays the rooms of both maps back to back,
+   * so it is no other place in the rooms of the match. */
+  double other_side_rival = 0.25;
   double min_probability = 0.85;  ///< Least probability that the pose is right
   /** Least probability of an accepted match that ends the search near a guess, see align(). 0: the
    * search never goes farther. */
@@ -146,8 +150,10 @@ struct Evaluation {
   /** Obstacles that the maps confirm at the pose of the best rival, over those that they confirm at
    * this pose, at most 1. 1 if the verdict did not look at it: the match is sure anyway. */
   double rival_support = 1;
+  /** The same ratio for the obstacles that both maps see from the same side. */
+  double rival_same_side = 1;
   /** Weight of the best rival against the pose: runner_up, less if the rival has too little
-   * support, see EvaluationParams::min_rival_support. */
+   * support, see EvaluationParams::min_rival_support and other_side_rival. */
   double rival_weight = 0;
   bool is_ambiguous = false;  ///< True if a rival is the only reason for the rejection
   SizeRatio size_ratio;       ///< Size of map B over the size of map A
