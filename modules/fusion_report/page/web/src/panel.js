@@ -38,7 +38,9 @@ function poseTable(report, path) {
     [name, figure(report, [...path, key], digits, {unit}), deviation(pose, i)]), {class: 'pose'});
 }
 
-const reasonsOf = (match) => el('ul', {class: 'reasons'}, ...(match.reasons ?? []).map((r) => el('li', {}, said(r))));
+/** The reasons of a verdict: first those against the pose, marked by a minus. */
+const reasonsOf = (match) => el('ul', {class: 'reasons signed'}, ...(match.reasons ?? []).map((r, i) =>
+  el('li', {class: i < (match.reasons_against ?? 0) ? 'against' : 'for'}, said(r))));
 
 function sureness(report, path) {
   const m = path.reduce((v, k) => v?.[k], report);
