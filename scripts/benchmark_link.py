@@ -25,7 +25,7 @@ PROJECT = Path(__file__).resolve().parent.parent
 NETWORK = PROJECT / "tests/link/network.sh"
 STANDING = 20  # s
 MEETS = re.compile(r"(r\d) meets this robot at \[([^\]]*)\] \((\d+) %, by (\d+) bytes\)")
-PART = re.compile(r"fused.*?r\d \((\d+) bytes of it\)")
+BOTH = re.compile(r"fused r1(?: \((?P<r1>\d+) bytes of it\))? r2(?: \((?P<r2>\d+) bytes of it\))?")
 
 
 def matrix_of(pose):
@@ -107,13 +107,14 @@ def run(program, pair, loss, rate):
             for i, robot in enumerate(robots):
                 other = robots[1 - i].name
                 text = "\n".join(robot.lines())
-                meets, part = MEETS.search(text), PART.search(text)
+                meets = MEETS.search(text)
+                part = BOTH.search(text)[other]
                 line = f"  {robot.name}: "
                 if meets:
                     pose = matrix_of([float(v) for v in meets[2].split()])
                     shift, turn = error_of(pose, truth if i == 0 else inverse_of(truth))
                     line += f"meets {other} by {meets[4]} bytes, {shift:.2f} m {turn:.1f} deg off, {meets[3]} %; "
-                line += (f"fused first with {part[1]} bytes ({100 * int(part[1]) / sizes[other]:.0f} %); " if part
+                line += (f"fused first with {part} bytes ({100 * int(part) / sizes[other]:.0f} %); " if part
                          else "fused first with the whole map; ")
                 line += (f"received {received[i]} bytes, {received[i] / sizes[other]:.2f} times the samples; standing: "
                          f"{(robot.received() - received[i]) / STANDING:.0f} bytes/s, "

@@ -32,8 +32,7 @@ bool MapReplica::add(const Sample& sample) {
       is_new = addBlock(sample);
       break;
     case SampleKind::Index:
-      is_new = index_pieces_.add(sample);
-      if (is_new) useIndex();
+      is_new = addIndex(sample);
       break;
     case SampleKind::Outline:
       is_new = outline_pieces_.add(sample);
@@ -64,15 +63,20 @@ bool MapReplica::addBlock(const Sample& sample) {
   return true;
 }
 
-void MapReplica::useIndex() {
-  const auto value = index_pieces_.value();
-  if (!value || (index_ && value->first < index_->version)) return;
-  MapIndex index = indexOf(value->second);
-  if (index.version != value->first) corrupt("the index of a map has another version");
-  index_ = std::move(index);
-  complete_version_ = 0;
-  missing_.clear();
-  for (const auto& block : index_->blocks) update(block.first);
+bool MapReplica::addIndex(const Sample& sample) {
+  Pieces pieces = index_pieces_;
+  if (!pieces.add(sample)) return false;
+  const auto value = pieces.value();
+  if (value && (!index_ || value->first >= index_->version)) {
+    MapIndex index = indexOf(value->second);
+    if (index.version != value->first) corrupt("the index of a map has another version");
+    index_ = std::move(index);
+    complete_version_ = 0;
+    missing_.clear();
+    for (const auto& block : index_->blocks) update(block.first);
+  }
+  index_pieces_ = std::move(pieces);
+  return true;
 }
 
 void MapReplica::update(BlockCode code) {

@@ -64,7 +64,7 @@ class MapReplica {
   };
 
   bool addBlock(const Sample& sample);
-  void useIndex();
+  bool addIndex(const Sample& sample);
   void update(BlockCode code);
   void finish();
 

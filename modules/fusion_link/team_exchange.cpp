@@ -16,6 +16,9 @@ namespace {
 /** Samples that are taken from the link at a time: bounds the time of a step. */
 constexpr size_t kMostReceived = 256;
 
+/** Highest version of its map that a robot believes others to have: there are enough above it. */
+constexpr uint64_t kMostClaim = kMostVersion / 2;
+
 bool isStatement(SampleKind kind) { return kind == SampleKind::Have || kind == SampleKind::Want; }
 
 }  // namespace
@@ -77,6 +80,8 @@ bool TeamExchange::step() {
   if (journal_)
     for (const Sample& sample : received) journal_->append(sample);
   if (!received.empty()) acknowledge();
+  // If this robot was restarted without a journal, the others take only what is newer.
+  if (highest_heard_ > sent_->version()) send(sent_->continueAbove(highest_heard_));
   outbox_.sendTo(link_);
   return !received.empty();
 }
@@ -117,8 +122,8 @@ void TeamExchange::hear(const Sample& statement) {
     if (!(held.source == own_)) continue;
     if (acknowledged_.size() < limits_.maps || acknowledged_.count(robot) > 0)
       acknowledged_[robot] = held.complete;
-    // This robot was restarted without a journal: the others take only what is newer.
-    if (held.highest > sent_->version()) send(sent_->continueAbove(held.highest));
+    if (held.highest > kMostClaim) corrupt("a robot claims a version that is too high");
+    highest_heard_ = std::max(highest_heard_, held.highest);
   }
 }
 

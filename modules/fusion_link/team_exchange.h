@@ -79,6 +79,7 @@ class TeamExchange {
   std::unique_ptr<SentMap> sent_;  // never null after the construction
   Outbox outbox_;
   std::map<std::string, uint64_t> acknowledged_;
+  uint64_t highest_heard_ = 0;  // highest version of this robot's map that others have
   std::map<SampleKind, std::pair<uint64_t, std::string>> stated_;  // number and value
   size_t refused_ = 0;
   std::string reason_;

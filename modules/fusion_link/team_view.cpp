@@ -115,7 +115,7 @@ void TeamView::meet(const MapSnapshot& s, Known& known) {
   if (outline.occupiedVoxels() == 0) return;
   const Alignment match = align(own->second.map->map, outline, Prior::none(), options_);
   known.meeting = {nameOf(s.source), match.match.T_a_b, match.evaluation.probability,
-                   match.evaluation.accepted, s.outline->size()};
+                   s.outline->size()};
 }
 
 /** Returns the pose of another map's frame in the frame of the own map, if there is one. */

@@ -36,7 +36,6 @@ struct Meeting {
   std::string robot;              ///< Name of the other robot
   Eigen::Isometry3d T_own_other;  ///< Pose of its map's frame in the frame of the own map
   double probability = 0;         ///< Probability that the pose is right, [0,1]
-  bool accepted = false;          ///< True if the verdict on the match is positive
   size_t bytes = 0;               ///< Bytes of the outline
 };
 

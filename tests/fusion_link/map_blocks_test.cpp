@@ -50,7 +50,7 @@ TEST(MapBlocks, JoinToTheSameOctreeBitForBit) {
   trees.push_back(std::make_unique<octomap::OcTree>(0.25));
   trees.push_back(awkwardTree(1 / 3.));
   trees.push_back(sceneTree(0.1, 7));
-  trees.push_back(noise(40, 1));
+  trees.push_back(noise(24, 1));
   trees.push_back(sceneTree(0.1, 3));  // lazily changed: inner nodes are no maxima
   for (int x = 0; x < 50; x++)
     trees.back()->setNodeValue(octomap::OcTreeKey(32768 + x, 32768, 32768), 3.1F, true);
@@ -68,14 +68,14 @@ TEST(MapBlocks, JoinToTheSameOctreeBitForBit) {
   }
 }
 
-TEST(MapBlocks, NoiseIsDivided) { EXPECT_GT(divideIntoBlocks(*noise(40, 1)).blocks.size(), 20U); }
+TEST(MapBlocks, NoiseIsDivided) { EXPECT_GT(divideIntoBlocks(*noise(24, 1)).blocks.size(), 5U); }
 
 TEST(MapBlocks, OfSpaceThatDidNotChangeStayTheSame) {
-  const auto before = noise(40, 1);
+  const auto before = noise(24, 1);
   const MapBlocks blocks_before = divideIntoBlocks(*before);
   octomap::OcTree after(*before);
-  putVoxel(after, {20, 20, 20}, 3.4F);
-  putVoxel(after, {21, 20, 20}, 3.3F);
+  putVoxel(after, {10, 15, 20}, 3.4F);
+  putVoxel(after, {11, 15, 20}, 3.3F);
   finish(after);
   const MapBlocks blocks = divideIntoBlocks(after, before.get(), blocks_before);
   size_t changed = 0;
@@ -89,7 +89,7 @@ TEST(MapBlocks, OfSpaceThatDidNotChangeStayTheSame) {
 }
 
 TEST(MapBlocks, AMapThatShrinksToALeafIsOneBlock) {
-  const auto before = noise(40, 1);
+  const auto before = noise(24, 1);
   const MapBlocks blocks_before = divideIntoBlocks(*before);
   octomap::OcTree after(0.1);
   OcTreeAccess::createRoot(after)->setLogOdds(1.5F);
@@ -99,7 +99,7 @@ TEST(MapBlocks, AMapThatShrinksToALeafIsOneBlock) {
 }
 
 TEST(MapBlocks, EachBlockIsUsefulByItself) {
-  const auto map = noise(40, 1);
+  const auto map = noise(24, 1);
   const MapBlocks all = divideIntoBlocks(*map);
   const VoxelMap voxels = voxelsOf(*map);
   size_t found = 0;

@@ -157,6 +157,21 @@ TEST(MapReplica, RefusesDamagedSamplesAndStaysAsItWas) {
   EXPECT_NO_THROW(joinBlocks(*replica.blocks()));
 }
 
+TEST(MapReplica, ADamagedIndexDoesNotReplaceTheIndex) {
+  MapReplica replica(kSource);
+  SentMap sent(replica);
+  for (const Sample& s : sent.update(growing(1))) replica.add(s);
+  auto next = sent.update(growing(2));
+  ASSERT_EQ(next[0].key.kind, SampleKind::Index);
+  Sample damaged = next[0];
+  damaged.version += kFirst;  // newer than the right index
+  EXPECT_TRUE(refuses(replica, damaged));
+  damaged.bytes.resize(damaged.bytes.size() - 9);
+  EXPECT_TRUE(refuses(replica, damaged));
+  for (const Sample& s : next) replica.add(s);
+  EXPECT_EQ(replica.completeVersion(), 2 * kFirst);
+}
+
 TEST(MapReplica, ManyKeysTakeNoMoreThanTheLimit) {
   constexpr size_t kMost = 200'000;
   MapReplica replica(kSource, kMost);
