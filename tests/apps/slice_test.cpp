@@ -19,44 +19,53 @@ namespace {
 
 using mrpt::maps::COccupancyGridMap2D;
 
-enum class Cell { Unknown, Free, Occupied };
-
 class Slices : public AppTest {
  protected:
-  /** Returns the kind of each column of the map, between two heights. */
-  static std::map<std::pair<int, int>, Cell> columns(double low, double high) {
+  /** Returns the highest probability of each column of the map, between two heights. */
+  static std::map<std::pair<int, int>, double> columns(double low, double high) {
     std::unique_ptr<octomap::OcTree> map(
         dynamic_cast<octomap::OcTree*>(octomap::AbstractOcTree::read(pair("map_a.ot"))));
     map->expand();
-    std::map<std::pair<int, int>, Cell> columns;
+    std::map<std::pair<int, int>, double> columns;
     for (auto leaf = map->begin_leafs(); leaf != map->end_leafs(); ++leaf) {
       if (leaf.getZ() < low || leaf.getZ() > high) continue;
-      Cell& cell = columns[{leaf.getKey()[0] - 32768, leaf.getKey()[1] - 32768}];
-      cell = std::max(cell, map->isNodeOccupied(*leaf) ? Cell::Occupied : Cell::Free);
+      double& column = columns[{leaf.getKey()[0] - 32768, leaf.getKey()[1] - 32768}];
+      column = std::max(column, leaf->getOccupancy());
     }
     return columns;
   }
-  void expectColumns(const COccupancyGridMap2D& grid, double low, double high) const {
+  /** Calls `f(column, cell)` for each cell of a grid with the expected probability of the column,
+   * or null if it is unknown, and the probability of the cell. */
+  template <class F>
+  static void forEachCell(const COccupancyGridMap2D& grid, double low, double high, F&& f) {
     const auto expected = columns(low, high);
+    EXPECT_GT(expected.size(), 1000U);
+    EXPECT_GE(size_t{grid.getSizeX()} * grid.getSizeY(), expected.size());
     const double side = grid.getResolution();
     EXPECT_NEAR(side, 0.1, 1e-6);
+    const auto first_x = static_cast<int>(std::lround(grid.getXMin() / side));
+    const auto first_y = static_cast<int>(std::lround(grid.getYMin() / side));
     size_t known = 0;
-    for (unsigned y = 0; y < grid.getSizeY(); y++)
-      for (unsigned x = 0; x < grid.getSizeX(); x++) {
-        const float is_free = grid.getCell(static_cast<int>(x), static_cast<int>(y));
-        const auto column =
-            expected.find({static_cast<int>(std::lround(grid.getXMin() / side)) + x,
-                           static_cast<int>(std::lround(grid.getYMin() / side)) + y});
-        if (std::abs(is_free - 0.5F) < 0.02F) {
-          ASSERT_EQ(column, expected.end()) << x << " " << y;
-          continue;
-        }
-        known++;
-        ASSERT_NE(column, expected.end()) << x << " " << y;
-        ASSERT_EQ(column->second, is_free > 0.5F ? Cell::Free : Cell::Occupied) << x << " " << y;
+    for (int y = 0; y < static_cast<int>(grid.getSizeY()); y++)
+      for (int x = 0; x < static_cast<int>(grid.getSizeX()); x++) {
+        const auto column = expected.find({first_x + x, first_y + y});
+        known += column != expected.end();
+        f(column == expected.end() ? nullptr : &column->second, 1 - grid.getCell(x, y));
       }
     EXPECT_EQ(known, expected.size());
-    EXPECT_GT(known, 1000U);
+  }
+  /** The grid of ROS has three kinds of cells. */
+  static void expectKinds(const COccupancyGridMap2D& grid, double low, double high) {
+    forEachCell(grid, low, high, [](const double* column, double cell) {
+      const double expected = !column ? 0.5 : *column >= 0.5 ? 1 : 0;
+      ASSERT_NEAR(cell, expected, 0.02);
+    });
+  }
+  /** The grid of MRPT has probabilities. Its cells have 8 bits. */
+  static void expectProbabilities(const COccupancyGridMap2D& grid, double low, double high) {
+    forEachCell(grid, low, high, [](const double* column, double cell) {
+      ASSERT_NEAR(cell, column ? *column : 0.5, column ? 0.02 : 1e-6);
+    });
   }
   COccupancyGridMap2D readGrid(const std::string& file) const {
     mrpt::io::CFileGZInputStream in((dir_ / file).string());
@@ -72,15 +81,15 @@ TEST_F(Slices, AreReadByMrptAsMapsOfRos) {
   ASSERT_EQ(r.code, 0) << r.err;
   COccupancyGridMap2D grid;
   ASSERT_TRUE(grid.loadFromROSMapServerYAML((dir_ / "map.yaml").string()));
-  expectColumns(grid, 0.3, 1.2);
+  expectKinds(grid, 0.3, 1.2);
   const auto report = nlohmann::json::parse(readFile(dir_ / "report.json")).at("slice");
   EXPECT_EQ(report.at("width"), grid.getSizeX());
   EXPECT_EQ(report.at("height"), grid.getSizeY());
   const auto expected = columns(0.3, 1.2);
-  for (const auto& [name, kind] :
-       {std::pair("occupied", Cell::Occupied), std::pair("free", Cell::Free)})
-    EXPECT_EQ(report.at(name), std::count_if(expected.begin(), expected.end(),
-                                             [k = kind](const auto& c) { return c.second == k; }));
+  const auto occupied = std::count_if(expected.begin(), expected.end(),
+                                      [](const auto& column) { return column.second >= 0.5; });
+  EXPECT_EQ(report.at("occupied"), occupied);
+  EXPECT_EQ(report.at("free"), expected.size() - static_cast<size_t>(occupied));
   EXPECT_NE(r.out.find("cells:"), std::string::npos) << r.out;
 }
 
@@ -88,16 +97,14 @@ TEST_F(Slices, AreGridsOfMrpt) {
   for (const std::string file : {"map.gridmap", "map.gridmap.gz"}) {
     const auto r = mapFusion("slice " + pair("map_a.ot") + " --heights 0.3 1.2 -o " + file);
     ASSERT_EQ(r.code, 0) << r.err;
-    const auto grid = readGrid(file);
-    EXPECT_FALSE(grid.isEmpty()) << file;
-    expectColumns(grid, 0.3, 1.2);
+    expectProbabilities(readGrid(file), 0.3, 1.2);
   }
   EXPECT_LT(fs::file_size(dir_ / "map.gridmap.gz"), fs::file_size(dir_ / "map.gridmap"));
 }
 
 TEST_F(Slices, HaveAllHeightsWithoutOption) {
   ASSERT_EQ(mapFusion("slice " + pair("map_a.ot") + " -o map.gridmap").code, 0);
-  expectColumns(readGrid("map.gridmap"), -1e9, 1e9);
+  expectProbabilities(readGrid("map.gridmap"), -1e9, 1e9);
 }
 
 TEST_F(Slices, HaveThresholds) {
