@@ -122,8 +122,11 @@ InputKind inputKindOf(const RunContext& run, const std::string& path) {
     if (mrpt::fusion::isPointCloudFile(beginning)) return InputKind::PointCloud;
     const std::string foreign = mrpt::fusion::foreignKindOf(beginning);
     if (!foreign.empty()) throw std::runtime_error(foreign);
-    const bool is_raw = run.args.resolution > 0 && !mrpt::fusion::beginsWithObject(beginning);
-    return is_raw ? InputKind::RawNodes : InputKind::Mrpt;
+    if (mrpt::fusion::beginsWithObject(beginning)) return InputKind::Mrpt;
+    if (run.args.resolution > 0) return InputKind::RawNodes;
+    throw std::runtime_error(
+        "not a map, simplemap or rawlog file, or truncated. The data of octomap_msgs/Octomap "
+        "without a header needs --resolution");
   });
 }
 
