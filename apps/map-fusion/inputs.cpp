@@ -69,22 +69,6 @@ void report(RunContext& run, const std::string& path, LoadedMap& map,
   if (map.sources.empty()) map.sources = {{{}, mrpt::fusion::namesOf({path}).front(), 0, 0}};
 }
 
-/** Returns the files of the arguments, each once. Says so if a file is given twice. */
-std::vector<std::string> distinctFiles(RunContext& run) {
-  std::vector<std::string> distinct;
-  std::error_code ignored;
-  for (const std::string& path : run.args.maps) {
-    const bool is_known = std::any_of(distinct.begin(), distinct.end(), [&](const auto& other) {
-      return path == other || fs::equivalent(path, other, ignored);
-    });
-    if (is_known)
-      run.note(path + ": is given twice, and counts once");
-    else
-      distinct.push_back(path);
-  }
-  return distinct;
-}
-
 }  // namespace
 
 std::optional<ReadOctree> readAhead(const RunContext& run, const std::string& role,
@@ -152,9 +136,27 @@ std::vector<Robot> loadFileOfRobots(RunContext& run, const std::string& role,
   return contents.robots;
 }
 
+std::vector<std::string> distinctFiles(const std::vector<std::string>& paths,
+                                       std::vector<std::string>* repeated) {
+  std::vector<std::string> distinct;
+  std::error_code ignored;
+  for (const std::string& path : paths) {
+    const bool is_known = std::any_of(distinct.begin(), distinct.end(), [&](const auto& other) {
+      return path == other || fs::equivalent(path, other, ignored);
+    });
+    if (!is_known)
+      distinct.push_back(path);
+    else if (repeated)
+      repeated->push_back(path);
+  }
+  return distinct;
+}
+
 std::vector<Robot> loadRobots(RunContext& run) {
   std::vector<Robot> robots;
-  const std::vector<std::string> paths = distinctFiles(run);
+  std::vector<std::string> repeated;
+  const std::vector<std::string> paths = distinctFiles(run.args.maps, &repeated);
+  for (const std::string& path : repeated) run.note(path + ": is given twice, and counts once");
   const std::vector<std::string> names = mrpt::fusion::namesOf(paths);
   for (size_t i = 0; i < names.size(); i++) {
     const std::string& path = paths[i];

@@ -53,6 +53,11 @@ InputKind inputKindOf(const RunContext& run, const std::string& path);
 std::vector<Robot> loadFileOfRobots(RunContext& run, const std::string& role,
                                     const std::string& path);
 
+/** Returns files, each once, in their order. \param[out] repeated Receives those that are left
+ * out. */
+std::vector<std::string> distinctFiles(const std::vector<std::string>& paths,
+                                       std::vector<std::string>* repeated = nullptr);
+
 /** Loads the maps of all robots that the arguments name, and reports on them. A file is a recorded
  * mission, or it holds the map of one robot. \exception std::runtime_error As loadMap(), and if two
  * robots have the same name. */

@@ -21,6 +21,7 @@
 #include "fusion_base/printable.h"
 #include "fusion_report/top_view.h"
 #include "inputs.h"
+#include "joined_recordings.h"
 #include "output.h"
 #include "pages.h"
 #include "pose.h"
@@ -95,6 +96,7 @@ void drawScene(RunContext& run, const MapPair& pair) {
 }  // namespace
 
 MapPair loadPair(RunContext& run) {
+  checkRecordings(run);
   if (!run.args.init.empty()) run.report.initial_pose = parsePose(run.args.init);
   if (!run.args.pose.empty()) run.report.pose.emplace().mean = parsePose(run.args.pose);
   MapPair pair;
@@ -206,7 +208,10 @@ void saveFused(RunContext& run, const std::shared_ptr<const octomap::OcTree>& fu
   tbb::task_group reporting;
   reporting.run([&] { report = mrpt::fusion::reportOn("fused", run.args.output, *fused); });
   try {
-    saveMap(fused, run.args.output, sources);
+    if (writesRecording(run.args))
+      joinRecordings(run);
+    else
+      saveMap(fused, run.args.output, sources);
   } catch (...) {
     reporting.wait();
     throw;

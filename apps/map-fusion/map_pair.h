@@ -55,7 +55,8 @@ void choosePolicy(RunContext& run);
 void noteCounting(RunContext& run, const std::string& map, mrpt::fusion::Counting counting,
                   const std::string& with);
 
-/** Saves a fused map with its sources, and reports on it. */
+/** Saves a fused map with its sources, and reports on it. If the output is a recording, the joined
+ * recordings are written instead of the map. */
 void saveFused(RunContext& run, const std::shared_ptr<const octomap::OcTree>& fused,
                const mrpt::fusion::Sources& sources);
 

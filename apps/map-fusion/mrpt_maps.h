@@ -78,6 +78,12 @@ struct FileContents {
   std::optional<LoadedMap> map;  ///< Map of another file
 };
 
+/** A simplemap with a pose, see mrpt::fusion::PlacedSimpleMap. */
+struct PlacedRecording {
+  std::string path;
+  mrpt::poses::CPose3DPDFGaussian pose;
+};
+
 /** A fusion to draw, see mrpt::fusion::FusionView. Nothing is owned. */
 struct SceneContents {
   const octomap::OcTree& a;
@@ -106,6 +112,10 @@ class MrptMaps {
                            const std::string& path) const = 0;
   /** Builds a map from a recording. */
   virtual BuiltMap build(const std::string& recording, const MapDefinition& definition) const = 0;
+  /** Writes the key frames of several simplemaps to one, see mrpt::fusion::joinSimpleMaps().
+   * \return Number of key frames. */
+  virtual size_t joinRecordings(const std::vector<PlacedRecording>& recordings,
+                                const std::string& path) const = 0;
   /** Saves a map, see mrpt::fusion::saveMap(). */
   virtual void save(const LoadedMap& map, const std::string& path) const = 0;
   /** Saves a slice as a mrpt::maps::COccupancyGridMap2D, compressed if the path ends in `.gz`. The

@@ -125,6 +125,14 @@ class MapsOfModule : public MrptMaps {
     return {map, observations};
   }
 
+  size_t joinRecordings(const std::vector<PlacedRecording>& recordings,
+                        const std::string& path) const override {
+    std::vector<mrpt::fusion::PlacedSimpleMap> maps;
+    for (const auto& r : recordings) maps.push_back({r.path, r.pose});
+    const SilentErrors silent;
+    return mrpt::fusion::joinSimpleMaps(maps, path);
+  }
+
   void save(const LoadedMap& map, const std::string& path) const override {
     const SilentErrors silent;
     mrpt::fusion::saveMap(*mrptMapOf(map), path);

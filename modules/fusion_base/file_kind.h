@@ -15,7 +15,8 @@ namespace mrpt::fusion {
 std::string foreignKindOf(std::string_view beginning);
 
 /** True if a file begins as MRPT writes objects: rawlog, simplemap, serialized map.
- * \param[in] beginning First bytes of the file, see beginningOf(). */
-bool beginsWithObject(std::string_view beginning);
+ * \param[in] beginning First bytes of the file, see beginningOf().
+ * \param[in] name Name of the class of the object, without namespaces. Empty: any class. */
+bool beginsWithObject(std::string_view beginning, std::string_view name = {});
 
 }  // namespace mrpt::fusion

@@ -182,6 +182,7 @@ std::string toJson(const Report& r) {
                              {"probability", p.probability},
                              {"overlap", p.overlap},
                              {"holds", p.holds}});
+  if (r.key_frames) json["key_frames"] = *r.key_frames;
   if (r.bytes) json["bytes"] = *r.bytes;
   if (!r.policy.empty()) json["policy"] = r.policy;
   json["seconds"] = Json::object();

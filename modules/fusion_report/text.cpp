@@ -122,6 +122,7 @@ void print(const Report& r, std::ostream& out) {
          poseText(r.pose->mean).c_str());
   if (r.match) printMatch(*r.match, out);
   for (const auto& member : r.members) printMember(member, out);
+  if (r.key_frames) line(out, "joined           %zu key frames", *r.key_frames);
   if (r.bytes) line(out, "size             %zu bytes", *r.bytes);
   if (!r.policy.empty()) line(out, "merged by        %s", r.policy.c_str());
   out << "seconds         ";

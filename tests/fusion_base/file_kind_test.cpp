@@ -51,6 +51,13 @@ TEST(FileKind, ObjectsOfMrptBeginWithTheNameOfTheirClass) {
                            "\x0d"
                            "CSensoryFrame\x02"sv})
     EXPECT_TRUE(beginsWithObject(bytes)) << bytes;
+  EXPECT_TRUE(beginsWithObject("\x98mrpt::maps::CProbOctoMap\0"sv, "CProbOctoMap"));
+  EXPECT_TRUE(
+      beginsWithObject("\x8a"
+                       "CSimpleMap\x01"sv,
+                       "CSimpleMap"));
+  EXPECT_FALSE(beginsWithObject("\x98mrpt::maps::CProbOctoMap\0"sv, "OctoMap"));
+  EXPECT_FALSE(beginsWithObject("\x98mrpt::maps::CProbOctoMap\0"sv, "CSimpleMap"));
   // Nodes of octrees: a log-odds (float) and the mask of children, or two bytes of children.
   for (const auto bytes :
        {""sv, "\0\0\0\0\xff"sv, "\x9a\x99\x19?\x01\x9a\x99\x19?"sv, "\x55\xaa\x55"sv})

@@ -3,11 +3,6 @@
 #include <mrpt/io/CMemoryStream.h>
 #include <mrpt/maps/CProbOctoMap.h>
 #include <mrpt/maps/CSimpleMap.h>
-#include <mrpt/maps/CSimplePointsMap.h>
-#include <mrpt/obs/CObservationPointCloud.h>
-#include <mrpt/obs/CObservationRobotPose.h>
-#include <mrpt/obs/CRawlog.h>
-#include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/serialization/CArchive.h>
 
 #include <set>
@@ -15,6 +10,7 @@
 
 #include "fusion_octree/files.h"
 #include "mrpt_programs.h"
+#include "support/keyframes.h"
 
 using namespace mrpt::maps;
 
@@ -48,22 +44,14 @@ CProbOctoMap loaded(const fs::path& path) {
 /** Every sixth scan of a recording, as keyframes. COctoMap ignores where the sensor is when it
  * inserts points, so they are given in the robot's frame. */
 CSimpleMap keyframesOf(const std::string& rawlog) {
-  mrpt::obs::CRawlog recording;
-  EXPECT_TRUE(recording.loadFromRawLogFile(rawlog));
-  CSimpleMap frames;
-  mrpt::obs::CObservationRobotPose::Ptr robot;
-  size_t scans = 0;
-  for (const auto& object : recording) {
-    if (auto pose = std::dynamic_pointer_cast<mrpt::obs::CObservationRobotPose>(object))
-      robot = pose;
-    auto scan = std::dynamic_pointer_cast<mrpt::obs::CObservationPointCloud>(object);
-    if (!scan || scans++ % 6 != 0) continue;
-    scan->pointcloud->changeCoordinatesReference(scan->sensorPose);
-    scan->sensorPose = {};
-    auto frame = mrpt::obs::CSensoryFrame::Create();
-    frame->insert(scan);
-    frames.insert(mrpt::poses::CPose3DPDFGaussian::Create(robot->pose), frame);
-  }
+  constexpr size_t kEverySixth = 6;
+  CSimpleMap frames = map_tests::keyframesOf(rawlog, kEverySixth);
+  for (const auto& frame : frames)
+    for (const auto& obs : *frame.sf) {
+      auto& scan = dynamic_cast<mrpt::obs::CObservationPointCloud&>(*obs);
+      scan.pointcloud->changeCoordinatesReference(scan.sensorPose);
+      scan.sensorPose = {};
+    }
   return frames;
 }
 
@@ -107,6 +95,38 @@ void throughAStream(Object& object) {
   archive << object;
   stream.Seek(0);
   archive >> object;
+}
+
+TEST_F(Mapping, Observations2mapBuildsTheMapOfBothRobotsFromJoinedKeyframes) {
+  for (const std::string robot : {"a", "b"})
+    ASSERT_TRUE(map_tests::keyframesOf(pair("robot_" + robot + ".rawlog"), 1)
+                    .saveToFile((dir_ / (robot + ".simplemap")).string()));
+  const auto fused =
+      run(mapFusion() + " fuse a.simplemap b.simplemap -o joined.simplemap --pose-out T_a_b.txt");
+  ASSERT_EQ(fused.code, 0) << fused.out << fused.err;
+  writeFile(dir_ / "map.ini", "[MappingApplication]\nprobOctoMap_count = 1\n");
+  const auto r = runWithPlugin("observations2map map.ini joined.simplemap joined");
+  ASSERT_EQ(r.code, 0) << r.out << r.err;
+
+  // Both recordings, inserted one after the other at the pose that was found.
+  CProbOctoMap expected(0.1);
+  const mrpt::poses::CPose3D T_a_b(
+      mrpt::math::CMatrixDouble44(readMatrix(dir_ / "T_a_b.txt").matrix()));
+  for (const std::string robot : {"a", "b"}) {
+    const CSimpleMap frames = map_tests::keyframesOf(pair("robot_" + robot + ".rawlog"), 1);
+    for (const auto& frame : frames)
+      for (const auto& obs : *frame.sf)
+        expected.insertObservation(
+            *obs, robot == "b" ? T_a_b + frame.pose->getMeanVal() : frame.pose->getMeanVal());
+  }
+  const Keys both = occupiedKeys(expected.octree());
+  const Keys joined = occupiedKeys(loaded(dir_ / "joined_mrpt__maps__CProbOctoMap_00.ot").octree());
+  size_t same = 0;
+  for (const auto& key : joined) same += both.count(key);
+  // The file of the pose is rounded: a few points change their voxels.
+  const double f1 =
+      2.0 * static_cast<double>(same) / static_cast<double>(both.size() + joined.size());
+  EXPECT_GE(f1, 0.999) << both.size() << " and " << joined.size() << " voxels";
 }
 
 TEST_F(Mapping, OnlyOurMapComesBackFromAStreamAsItWent) {

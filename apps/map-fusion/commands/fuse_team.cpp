@@ -17,6 +17,7 @@
 #include "fusion_base/error_text.h"
 #include "fusion_base/printable.h"
 #include "inputs.h"
+#include "joined_recordings.h"
 #include "map_pair.h"
 #include "pages.h"
 #include "poses_out.h"
@@ -52,6 +53,7 @@ std::string rejectedOf(const std::vector<FusionMember>& members) {
 }  // namespace
 
 bool runFuseTeam(RunContext& run) {
+  checkRecordings(run);
   const auto robots = loadRobots(run);
   if (robots.size() < 2)
     throw UsageError(run.args.maps[0] +

@@ -24,7 +24,7 @@ void saveObjects(const std::vector<const mrpt::serialization::CSerializable*>& o
   const std::string_view bytes(static_cast<const char*>(memory.getRawBufferData()),
                                static_cast<size_t>(memory.getTotalBytesCount()));
   const std::string extension = mrpt::system::extractFileExtension(path);
-  if (extension == "gz" || extension == "3Dscene")
+  if (extension == "gz" || extension == "3Dscene" || extension == "simplemap")
     writeFileAtomically(path, gzCompressed(bytes));
   else
     writeFileAtomically(path, bytes);

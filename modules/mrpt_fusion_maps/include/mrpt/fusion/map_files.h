@@ -6,6 +6,7 @@
 #include <mrpt/maps/CProbOctoMap.h>
 #include <mrpt/math/TPoint3D.h>
 #include <mrpt/obs/CObservationLocalMap.h>
+#include <mrpt/poses/CPose3DPDFGaussian.h>
 
 #include <functional>
 #include <memory>
@@ -103,9 +104,27 @@ MRPT_FUSION_API std::vector<mrpt::obs::CObservationLocalMap::Ptr> loadLocalMaps(
 MRPT_FUSION_API void saveLocalMaps(const std::vector<mrpt::obs::CObservationLocalMap::Ptr>& maps,
                                    const std::string& path);
 
-/** Saves any object of MRPT. The file is gz-compressed if its name ends in `.gz` or, as the scenes
- * of MRPT, in `.3Dscene`. Writes the whole file or nothing. \exception std::runtime_error "<path>:
- * <reason>". */
+/** A simplemap with a known pose. */
+struct PlacedSimpleMap {
+  std::string path;                      ///< File of the simplemap
+  mrpt::poses::CPose3DPDFGaussian pose;  ///< Pose of its frame in the common frame
+};
+
+/** Joins simplemaps: writes the key frames of all maps to one simplemap, in the order of the maps.
+ *
+ * The pose of a key frame is composed with the pose of its map, and so are the covariances. The
+ * composition is a CPose3DPDFGaussian; if mean and covariance of a map are zero, its key frames
+ * stay as they are. All key frames of a map share the error of the pose of the map, which a
+ * simplemap cannot express. External files stay where they are: their names become absolute.
+ * \param[in] maps The simplemaps. \param[in] path The new simplemap, gz-compressed if its name ends
+ * in `.simplemap` or `.gz`. The whole file or nothing is written. \return Number of key frames.
+ * \exception std::runtime_error "<path>: <reason>". */
+MRPT_FUSION_API size_t joinSimpleMaps(const std::vector<PlacedSimpleMap>& maps,
+                                      const std::string& path);
+
+/** Saves any object of MRPT. The file is gz-compressed if its name ends in `.gz` or, as simplemaps
+ * and scenes of MRPT, in `.simplemap` or `.3Dscene`. Writes the whole file or nothing. \exception
+ * std::runtime_error "<path>: <reason>". */
 MRPT_FUSION_API void saveObject(const mrpt::serialization::CSerializable& object,
                                 const std::string& path);
 
