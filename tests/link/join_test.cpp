@@ -158,6 +158,21 @@ TEST_F(Join, EndsWhenAllMapsAreThereAndSaysWhatIsGoingOn) {
       << logs();
 }
 
+TEST_F(Join, ABaseStationWithoutAMapFollowsMapsThatChange) {
+  if (!connect(3)) GTEST_SKIP() << reason_;
+  fs::remove(dir_ / "r3.ot");
+  ASSERT_NO_FATAL_FAILURE(expectFusionOf("r1.ot r2.ot"));
+  start(1);
+  start(2);
+  run("setsid ip netns exec " + prefix() +
+      "3 " MAP_FUSION " join --robot base --domain 7 -o fused3.ot >log3 2>&1 & echo $! > r3.pid");
+  ASSERT_TRUE(waitFor([&] { return hasExpected(3); }, seconds(40))) << logs();
+  map("r2", pair("map_b.ot"), "[1 0 0 0 0 0]");
+  ASSERT_NO_FATAL_FAILURE(expectFusionOf("r1.ot r2.ot"));
+  for (int i = 1; i <= 3; i++)
+    ASSERT_TRUE(waitFor([&] { return hasExpected(i); }, seconds(40))) << i << "\n" << logs();
+}
+
 TEST_F(Join, BadInputIsOneLine) {
   writeFile(dir_ / "bad.ot", "no map");
   const std::string name(64, 'n');

@@ -66,7 +66,7 @@ std::string configOf(const DdsSettings& settings) {
       peers +
       "</Peers></Discovery>"
       "<Internal><NackDelay>500ms</NackDelay><HeartbeatInterval>500ms</HeartbeatInterval>"
-      "<Watermarks><WhcHigh>8kB</WhcHigh><WhcHighInit>8kB</WhcHighInit><WhcLow>2kB</WhcLow>"
+      "<Watermarks><WhcHigh>4kB</WhcHigh><WhcHighInit>4kB</WhcHighInit><WhcLow>1kB</WhcLow>"
       "<WhcAdaptive>false</WhcAdaptive></Watermarks></Internal></Domain>";
   if (const char* more = std::getenv("CYCLONEDDS_URI"); more && *more)
     config += std::string(",") + more;
