@@ -45,4 +45,11 @@ TEST_F(InstalledApp, WithoutTheModuleOfTheLinkJoinSaysWhatIsMissing) {
       << join.err;
 }
 
+TEST_F(InstalledApp, HasManualPagesAndCompletion) {
+  const fs::path share = fs::path(INSTALLED_PREFIX) / "share";
+  for (const char* file : {"man/man1/map-fusion.1", "man/man1/map-fusion-fuse.1",
+                           "bash-completion/completions/map-fusion"})
+    EXPECT_TRUE(fs::exists(share / file)) << file;
+}
+
 }  // namespace
