@@ -24,6 +24,12 @@ bool adds(Counting counting) {
   return counting == Counting::All || counting == Counting::UnknownSpace;
 }
 
+/** True if a file begins as a simplemap of any version of MRPT. */
+bool isSimpleMap(const std::string& beginning) {
+  return mrpt::fusion::beginsWithObject(beginning, "CSimpleMap") ||
+         mrpt::fusion::beginsWithObject(beginning, "CSensFrameProbSequence");
+}
+
 /** Returns the recordings of two maps with the pose of the report. */
 std::vector<PlacedRecording> placedPair(const RunContext& run) {
   const auto& paths = run.args.maps;
@@ -55,7 +61,7 @@ void checkRecordings(const RunContext& run) {
   if (!writesRecording(run.args)) return;
   for (const auto& path : run.args.maps)
     mrpt::fusion::withPath(path, [&] {
-      if (!mrpt::fusion::beginsWithObject(mrpt::fusion::beginningOf(path), "CSimpleMap"))
+      if (!isSimpleMap(mrpt::fusion::beginningOf(path)))
         throw std::runtime_error("is not a simplemap, and " + run.args.output +
                                  " joins the key frames of simplemaps");
     });

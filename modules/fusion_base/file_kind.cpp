@@ -108,16 +108,18 @@ std::string foreignKindOf(std::string_view beginning) {
 }
 
 bool beginsWithObject(std::string_view beginning, std::string_view wanted) {
-  // The length of the name of the class, in MRPT's present format with the highest bit set, then
-  // the name.
+  using namespace std::string_view_literals;
+  // The length of the name of the class, then the name. In MRPT's present format the length is one
+  // byte with the highest bit set; in its first format it was a number of 4 bytes.
   if (beginning.empty()) return false;
-  const size_t length = static_cast<unsigned char>(beginning[0]) & 0x7FU;
+  const bool is_old = beginning.substr(1, 3) == "\0\0\0"sv;
+  const size_t length = static_cast<unsigned char>(beginning[0]) & 0x7FU, start = is_old ? 4 : 1;
   constexpr size_t kShortest = 4;
-  const std::string_view name = beginning.substr(1, length);
+  const std::string_view name = beginning.substr(start, length);
   const std::string_view own_name = name.substr(name.rfind(':') + 1);  // npos + 1 is 0
   if (!wanted.empty() && own_name != wanted) return false;
-  return length >= kShortest && name.size() + 1 == std::min(beginning.size(), length + 1) &&
-         std::all_of(name.begin(), name.end(), [](unsigned char c) {
+  return length >= kShortest && name.size() + start == std::min(beginning.size(), length + start) &&
+         !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
            return std::isalnum(c) || c == '_' || c == ':' || c == '<' || c == '>' || c == ',';
          });
 }

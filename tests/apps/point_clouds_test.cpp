@@ -134,7 +134,7 @@ TEST_F(PointClouds, OfBadInputGiveOneLine) {
   writeFile(dir_ / "cut.pcd", good.substr(0, good.size() - 1));
   writeFile(dir_ / "empty.ply", plyFile({}, "ascii"));
   for (const std::string& command :
-       {std::string("build cut.pcd -o out.ot"), std::string("edges cut.pcd -o out.ot"),
+       {std::string("build cut.pcd -o out.ot"), std::string("edges cut.pcd -o out.ply"),
         "fuse " + pair("map_a.ot") + " cut.pcd -o out.ot"})
     expectLine(command, "cut.pcd: point cloud (.pcd): the header announces");
   expectLine("build empty.ply -o out.ot", "empty.ply: the map has no occupied voxel");

@@ -62,7 +62,7 @@ TEST_F(RawOctrees, AreFused) {
 TEST_F(RawOctrees, WithoutAResolutionAreNamed) {
   writeData("a", *read("map_a.ot"));
   for (const std::string command :
-       {"info a.full", "build a.binary -o out.ot", "edges a.full -o out.ot"}) {
+       {"info a.full", "build a.binary -o out.ot", "edges a.full -o out.ply"}) {
     const auto r = mapFusion(command);
     EXPECT_EQ(r.code, 1) << command;
     EXPECT_NE(r.err.find("needs --resolution"), std::string::npos) << r.err;

@@ -56,6 +56,9 @@ TEST(FileKind, ObjectsOfMrptBeginWithTheNameOfTheirClass) {
       beginsWithObject("\x8a"
                        "CSimpleMap\x01"sv,
                        "CSimpleMap"));
+  // The first format of MRPT
+  EXPECT_TRUE(
+      beginsWithObject("\x16\0\0\0CSensFrameProbSequence\0\0\0\0H"sv, "CSensFrameProbSequence"));
   EXPECT_FALSE(beginsWithObject("\x98mrpt::maps::CProbOctoMap\0"sv, "OctoMap"));
   EXPECT_FALSE(beginsWithObject("\x98mrpt::maps::CProbOctoMap\0"sv, "CSimpleMap"));
   // Nodes of octrees: a log-odds (float) and the mask of children, or two bytes of children.
