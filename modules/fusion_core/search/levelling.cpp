@@ -10,11 +10,21 @@
 #include <cstdint>
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include "fusion_core/map/eigen_solvers.h"
 
 namespace mrpt::fusion {
 namespace {
+
+constexpr double kLeastClearShare = 0.1;  // least score of a place that stands out, per voxel of B
+constexpr double kSlopeDifference = 0.044;  // rad (2.5 deg), of the grounds of both maps
+constexpr unsigned kTurns = 6;              // number of directions of that difference
+
+/** Returns the score of the best hypothesis; 0 without hypotheses. */
+double bestScore(const std::vector<Hypothesis>& best_first) {
+  return best_first.empty() ? 0 : best_first[0].score;
+}
 
 /** Returns the horizontal distance of B's voxels from their mean that 90 % do not exceed, m. */
 double radiusOf(const OccupiedVoxels& voxels) {
@@ -130,11 +140,23 @@ std::vector<Hypothesis> searchLevelled(const MapVoxels& a, const SurfaceVoxels& 
   const double cell = leastCell(params, a.voxels.resolution, few_b.voxels.resolution);
   const double tilt = std::acos(std::clamp(up_a.dot(up_b), -1.0, 1.0));
   if (tilt * radiusOf(few_b.voxels) <= params.levelling.max_cells * cell) return all;
-  Eigen::Isometry3d levelled = T_a_b;
-  levelled.linear() = rotationBetween(up_b, up_a) * T_a_b.linear();
-  const auto found = searchAround(a, matched_a.surfaces, few_b, levelled, params, up_a);
+  const auto searchTurned = [&](const Eigen::Vector3d& up) {
+    Eigen::Isometry3d levelled = T_a_b;
+    levelled.linear() = rotationBetween(up, up_a) * T_a_b.linear();
+    return searchAround(a, matched_a.surfaces, few_b, levelled, params, up_a);
+  };
+  auto found = searchTurned(up_b);
+  // The grounds of two parts of a hillside differ in slope. If no place stands out, B is turned by
+  // such a difference in all directions.
+  const double clear = kLeastClearShare * static_cast<double>(few_b.voxels.size());
+  for (unsigned k = 0; k < kTurns && std::max(bestScore(all), bestScore(found)) < clear; k++) {
+    const double angle = 2 * M_PI * k / kTurns;
+    const Eigen::Vector3d slope(std::cos(angle), std::sin(angle), 0);
+    auto turned = searchTurned((up_b + kSlopeDifference * slope).normalized());
+    if (bestScore(turned) > bestScore(found)) found = std::move(turned);
+  }
   // A levelling that does not help would only add rivals.
-  if (found.empty() || (!all.empty() && found[0].score <= all[0].score)) return all;
+  if (bestScore(found) <= bestScore(all)) return all;
   all.insert(all.end(), found.begin(), found.end());
   return bestOf(std::move(all), params);
 }

@@ -25,7 +25,8 @@ Eigen::Vector3d upDirection(const SurfaceVoxels& map, const LevellingParams& par
  * A tilt moves the far end of B up or down. If the up directions of the maps differ by more than
  * LevellingParams::max_cells cells at the far end, B is turned such that they agree, and searched
  * for a second time. The first search stays: the up directions of two parts of a hillside differ
- * as well.
+ * as well. If no place of both searches stands out, B is also turned by such a difference in 6
+ * directions, until a place stands out.
  * \param[in] a Map A.
  * \param[in] matched_a,matched_b Voxels of the maps with their surfaces, for the up directions.
  * \param[in] few_b,T_a_b,params As for searchAround().

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "fusion_core/features/surfaces.h"
+#include "fusion_core/features/thinning.h"
 #include "fusion_core/map/map_voxels.h"
 #include "fusion_octree/resampling.h"
 #include "support/matching_tools.h"
@@ -20,15 +21,15 @@ namespace {
 constexpr double kVoxel = 0.4;  // m
 
 /** Level ground with free space above it, and boxes as of houses. Corners in voxels. */
-std::unique_ptr<octomap::OcTree> village(const Cell& low, const Cell& high) {
+std::unique_ptr<octomap::OcTree> village(const Cell& low, const Cell& high, int side = 200) {
   MapWriter map(kVoxel);
   map.within(low, high);
-  map.box({0, 0, 1}, {199, 199, 8}, -1);
-  map.box({0, 0, 0}, {199, 199, 0}, 2);
+  map.box({0, 0, 1}, {side - 1, side - 1, 8}, -1);
+  map.box({0, 0, 0}, {side - 1, side - 1, 0}, 2);
   std::mt19937 random(1);
   const auto upTo = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
-  for (int i = 0; i < 40; i++) {
-    const Cell corner{upTo(180), upTo(180), 0};
+  for (int i = 0; i < side * side / 1000; i++) {
+    const Cell corner{upTo(side - 20), upTo(side - 20), 0};
     map.shell(corner, {corner[0] + 5 + upTo(14), corner[1] + 5 + upTo(14), 4 + upTo(8)}, 2);
   }
   return map.unpruned();
@@ -91,6 +92,29 @@ TEST_F(Levelling, ATiltedMapIsFound) {
   ASSERT_FALSE(tilted.empty());
   EXPECT_GT(test::degreesBetween(tilted[0].T_a_b, T_b_a.inverse()), 5);
   EXPECT_GT(found[0].score, tilted[0].score);
+}
+
+TEST_F(Levelling, AMapIsFoundIfTheGroundOfItsPartHasASlopeOfItsOwn) {
+  constexpr int kSide = 480;  // 192 m
+  const auto town = village({0, 0, 0}, {kSide - 1, kSide - 1, 20}, kSide);
+  const auto part = village({0, 200, 0}, {kSide - 1, kSide - 1, 20}, kSide);
+  const MapVoxels a(borrowed(*town));
+  const SurfaceVoxels of_a = surfacesOf(*town);
+  const auto tilted = [&](const Eigen::Isometry3d& T) {
+    return surfacesOf(*transformOcTree(*part, T, kVoxel));
+  };
+  const Eigen::Isometry3d T_b_a = poseOf(10, -20, 2, 30, 5, -3);
+  const SurfaceVoxels all_of_b = tilted(T_b_a);
+  const SurfaceVoxels of_b = fewOf(all_of_b, 0.8, 1000);
+  const Eigen::Vector3d middle = meanOf(of_b.voxels.centre);
+  for (const double slope : {-3.0, 3.0}) {
+    // The verticals are measured on other surfaces than those of the search.
+    const SurfaceVoxels ground = tilted(poseOf(0, 0, 0, 0, slope) * T_b_a);
+    const auto found = searchLevelled(a, of_a, ground, of_b, kIdentity, everywhere({}));
+    ASSERT_FALSE(found.empty());
+    EXPECT_LT((found[0].T_a_b * middle - T_b_a.inverse() * middle).norm(), 2) << slope;
+    EXPECT_LT(test::degreesBetween(found[0].T_a_b, T_b_a.inverse()), 2) << slope;
+  }
 }
 
 TEST_F(Levelling, LevelMapsAreSearchedOnce) {
