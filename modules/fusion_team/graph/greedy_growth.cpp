@@ -18,7 +18,7 @@
 #include "fusion_team/graph/fuse_with_memory.h"
 #include "fusion_team/graph/team_fusion.h"
 #include "fusion_team/ledger/ledger.h"
-#include "fusion_team/pairs/pair_matches.h"
+#include "fusion_team/pairs/pair_prior.h"
 
 namespace mrpt::fusion {
 namespace {

@@ -62,7 +62,7 @@ const PairMatch& bestMatch(size_t k, const std::vector<PairMatch>& matches,
   return *best;
 }
 
-/** Returns the matches of all pairs, and whether the placed maps lie as the matches say. */
+/** Returns the matches of the pairs, and whether the placed maps lie as the matches say. */
 std::vector<TeamPair> teamPairs(const std::vector<RobotMap>& maps,
                                 const std::vector<PairMatch>& matches,
                                 const std::vector<PlacedMap>& placed,
@@ -87,7 +87,7 @@ PlacedTeam placeTeam(const std::vector<RobotMap>& maps, const Options& options,
     withPath(map.robot,
              [&] { ASSERTMSG_(map.map.occupiedVoxels() > 0, "the map has no occupied voxel"); });
 
-  // 1. Pairs: each map with each other map.
+  // 1. Pairs: each map with each other map, or with those that look like it.
   ThreadExecutor executor;
   const std::vector<PairMatch> matches = matchPairs(maps, options, executor, on_member, memory);
 

@@ -15,12 +15,12 @@ namespace mrpt::fusion {
 /** The maps of a team at their places. */
 struct PlacedTeam {
   std::vector<FusionMember> members;  ///< Result of each map, in the order of the input
-  std::vector<TeamPair> pairs;        ///< Matches of all pairs
+  std::vector<TeamPair> pairs;        ///< Matches of the pairs
 };
 
 /** Places whole maps by all their pairs together. A map without a place that can be trusted has
  * joined = false, and its best match with a placed map. The first map has the identity.
- * Cost: n (n-1) / 2 matches and a search of the configuration.
+ * Cost: n (n-1) / 2 matches, at most 12 n, and a search of the configuration.
  * \param[in] maps Two or more whole maps.
  * \param[in] options Parameters of all stages.
  * \param[in] on_member See fuseMaps().

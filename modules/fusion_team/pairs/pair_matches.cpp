@@ -9,6 +9,8 @@
 #include "fusion_base/error_text.h"
 #include "fusion_core/features/features.h"
 #include "fusion_core/pair/match.h"
+#include "fusion_team/pairs/candidates.h"
+#include "fusion_team/pairs/pair_prior.h"
 
 namespace mrpt::fusion {
 namespace {
@@ -22,34 +24,13 @@ double exceededBy(double share, std::vector<double> values) {
   return *value;
 }
 
-/** Returns the prior of A's pose in B's frame. */
-Prior inverseOf(const Prior& prior) {
-  if (prior.isNone()) return Prior::none();
-  if (!prior.statesCovariance()) return Prior::near(-prior.guess());
-  mrpt::poses::CPose3DPDFGaussian inverse;
-  prior.pdf().inverse(inverse);
-  return Prior::gaussian(inverse);
-}
-
 }  // namespace
-
-Prior priorOf(const RobotMap& map, const RobotMap& in) {
-  for (const PoseGuess& guess : map.guesses)
-    if (guess.robot == in.robot) return guess.prior;
-  for (const PoseGuess& guess : in.guesses)
-    if (guess.robot == map.robot) return inverseOf(guess.prior);
-  const double unknown = kUnknownPoseSigma * kUnknownPoseSigma;
-  for (const auto& cov : {map.pose.cov, in.pose.cov})
-    if (cov(0, 0) >= unknown) return Prior::none();
-  return Prior::gaussian(map.pose - in.pose);
-}
 
 std::vector<PairMatch> matchPairs(const std::vector<RobotMap>& maps, const Options& options,
                                   Executor& executor, const OnMember& on_member,
                                   PairMemory& memory) {
   std::vector<PairMatch> matches;
-  for (size_t b = 0; b < maps.size(); b++)
-    for (size_t a = 0; a < b; a++) matches.push_back({a, b, {}});
+  for (const auto& [a, b] : candidatePairs(maps, options, executor)) matches.push_back({a, b, {}});
   std::mutex mutex;
   executor.run(matches.size(), [&](size_t i) {
     PairMatch& m = matches[i];

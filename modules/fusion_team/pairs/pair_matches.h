@@ -23,11 +23,8 @@ struct PairMatch {
   Alignment alignment;  ///< The match, with all its hypotheses
 };
 
-/** Returns the prior of a map's pose in the frame of another map. */
-Prior priorOf(const RobotMap& map, const RobotMap& in);
-
-/** Matches all pairs of whole maps. Each match is independent of the others.
- * Cost: n (n-1) / 2 matches, less those that \a memory knows. */
+/** Matches the candidate pairs of whole maps. Each match is independent of the others.
+ * Cost: see candidatePairs(), less the matches that \a memory knows. */
 std::vector<PairMatch> matchPairs(const std::vector<RobotMap>& maps, const Options& options,
                                   Executor& executor, const OnMember& on_member,
                                   PairMemory& memory);

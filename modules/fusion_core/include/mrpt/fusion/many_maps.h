@@ -78,7 +78,7 @@ struct ManyFused {
   std::unique_ptr<octomap::OcTree> map;  ///< Fused map, in the frame of the first whole map
   std::vector<FusionMember> members;     ///< Result of each map, in the order of the input
   Sources sources;                       ///< Sources of the maps that have joined
-  std::vector<TeamPair> pairs;           ///< Matches of all pairs of a team; empty for two maps
+  std::vector<TeamPair> pairs;           ///< Matches of the pairs of a team; empty for two maps
 };
 
 /** Called before each match with a robot and the number of maps that the robot is matched with,
@@ -88,19 +88,17 @@ using OnMember = std::function<void(const std::string& robot, size_t joined)>;
 /** Fuses the maps of several robots, in the frame of the first whole map.
  *
  * Two whole maps are matched by align(). More maps are a team: all pairs are matched, each from the
- * poses of the maps, and the poses are those at which all pairs agree best. A map joins if no other
- * place agrees nearly as well, and if a loop of matches confirms its place or a match is sure
- * without a loop, see doc/decisions/037-team.md. So a match that would be rejected alone can join,
- * and a match that would be accepted alone can be rejected. Maps that have only edges are matched
- * last, for their poses. The first whole map keeps its frame; the order of the other maps does not
- * change the result. No observation counts twice, see Counting, unless options.merge.independent
- * says so. Cost: n (n-1) / 2 matches for n maps, and a search of the poses.
- * \param[in] maps One map of each robot.
- * \param[in] options Parameters of all stages.
- * \param[in] even_rejected If true, maps that have not joined are matched with all joined maps,
- * and join by their most probable match.
- * \param[in] on_member Called before each match.
- * \param[in] on_iteration See align().
+ * poses of the maps (of more than 25 maps, 12 pairs for each map that look alike), and the poses
+ * are those at which all pairs agree best. A map joins if no other place agrees nearly as well, and
+ * if a loop of matches confirms its place or a match is sure without a loop, see
+ * doc/decisions/037-team.md. So a match that would be rejected alone can join, and a match that
+ * would be accepted alone can be rejected. Maps that have only edges are matched last, for their
+ * poses. The first whole map keeps its frame; the order of the other maps does not change the
+ * result. No observation counts twice, see Counting, unless options.merge.independent says so.
+ * Cost: n (n-1) / 2 matches for n maps, at most 12 n, and a search of the poses. \param[in] maps
+ * One map of each robot. \param[in] options Parameters of all stages. \param[in] even_rejected If
+ * true, maps that have not joined are matched with all joined maps, and join by their most probable
+ * match. \param[in] on_member Called before each match. \param[in] on_iteration See align().
  * \exception std::exception If there is no whole map, or a map has no occupied voxel: "<robot>:
  * <reason>". */
 MRPT_FUSION_API ManyFused fuseMaps(const std::vector<RobotMap>& maps, const Options& options,
@@ -112,7 +110,7 @@ struct TeamState {
   std::shared_ptr<const octomap::OcTree> map;  ///< Fused map; null if the team has no map
   std::vector<FusionMember> members;           ///< Result of each map, in the order of the robots
   Sources sources;                             ///< Sources of the maps that have joined
-  std::vector<TeamPair> pairs;                 ///< Matches of all pairs; empty for two maps
+  std::vector<TeamPair> pairs;                 ///< Matches of the pairs; empty for two maps
 };
 
 /** A team whose maps change: robots come, send newer maps, and go.
