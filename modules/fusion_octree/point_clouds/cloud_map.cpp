@@ -64,7 +64,7 @@ void addHits(const std::vector<uint64_t>& voxels, OcTree& tree) {
  * the box of all rays or the sum of the rays to distinct voxels, whichever is smaller.
  * \exception std::runtime_error If it has not. */
 void checkFreeSpace(const std::vector<uint64_t>& voxels, const OcTreeKey& origin, size_t points) {
-  constexpr uint64_t kLeast = uint64_t{1} << 24U, kPerPoint = 400;
+  constexpr uint64_t kLeast = uint64_t{1} << 22U, kPerPoint = 400;
   const uint64_t most = std::max(kLeast, kPerPoint * points);
   std::array<int, 3> low{}, high{};
   uint64_t on_rays = 0;

@@ -34,7 +34,7 @@ struct CloudParams {
  * \param[out] outside Number of points that are left out.
  * \return A pruned octree with OctoMap's default sensor model. Empty if there are no points.
  * \exception std::runtime_error If the resolution is not in [1e-4, 1e6] m, if the sensor is outside
- * of the grid, or if free space is out of proportion to the cloud: more than 16 million voxels and
+ * of the grid, or if free space is out of proportion to the cloud: more than 4 million voxels and
  * 400 voxels per point.
  *
  * Cost: O(n log n) for n points, and with a sensor the voxels along all rays. */
