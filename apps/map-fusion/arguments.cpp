@@ -43,6 +43,15 @@ std::string insteadOfOutput(const CLI::App& command) {
          (command.get_option_no_throw("--picture") ? "; fuse and merge write maps" : "");
 }
 
+/** \exception CLI::ValidationError If the numbers of a point are several words. */
+void checkPoint(const std::vector<std::string>& words, size_t option) {
+  double ignored = 0;
+  if (words[option] == "--sensor-origin" && words.size() > option + 2 &&
+      CLI::detail::lexical_cast(words[option + 1], ignored) &&
+      CLI::detail::lexical_cast(words[option + 2], ignored))
+    throw CLI::ValidationError("--sensor-origin: three numbers need quotes: \"0 0 0\"");
+}
+
 /** \exception CLI::ValidationError If an option does not exist. It names the nearest option. */
 void checkOptions(const CLI::App& app, int argc, char** argv) {
   constexpr size_t kMostChanges = 3;
@@ -58,6 +67,7 @@ void checkOptions(const CLI::App& app, int argc, char** argv) {
   for (int i = 2; i < argc; i++) {
     const std::string word = argv[i], name = word.substr(0, word.find('='));
     if (word == "--") return;
+    checkPoint({argv, argv + argc}, static_cast<size_t>(i));
     if ((word == "-o" || name == "--output") && !command->get_option_no_throw("--output"))
       throw CLI::ValidationError(insteadOfOutput(*command));
     if (word.substr(0, 2) != "--" || command->get_option_no_throw(name)) continue;
@@ -109,6 +119,11 @@ std::vector<std::string> outputsOf(const Arguments& args) {
 }
 
 std::optional<ExitCode> parseArguments(int argc, char** argv, Arguments& args) {
+  if (argc > 1 && std::string(argv[1]) == "help") {  // `help COMMAND` is `COMMAND --help`
+    std::string help = "--help";
+    char* words[] = {argv[0], argc > 2 ? argv[2] : help.data(), help.data()};
+    return parseArguments(argc > 2 ? 3 : 2, words, args);
+  }
   CLI::App app;
   defineCommands(app, args);
   try {

@@ -25,6 +25,7 @@ CLI::Validator numberIn(double min, double max, const std::string& name) {
             double value = std::nan("");
             const bool is_number = CLI::detail::lexical_cast(text, value);
             if (is_number && value >= min && value <= max) return {};
+            if (!is_number) return mrpt::fusion::printable(text) + " is not a number";
             return mrpt::fusion::printable(text) + " is not in [" + CLI::detail::to_string(min) +
                    ", " + CLI::detail::to_string(max) + "]";
           },
@@ -32,8 +33,10 @@ CLI::Validator numberIn(double min, double max, const std::string& name) {
 }
 
 constexpr int kMaxMaps = 10000;
-constexpr double kMostSigma = 1e6;   // m, deg
-constexpr double kMostHeight = 1e9;  // m
+constexpr double kMostThreads = 1024;
+constexpr double kLeastTime = 1e-3, kMostTime = 1e9;  // s
+constexpr double kMostSigma = 1e6;                    // m, deg
+constexpr double kMostHeight = 1e9;                   // m
 
 constexpr const char* kPoseHelp =
     "\"[x y z yaw pitch roll]\" (m, deg), or a file with a 4x4 row-major matrix";
@@ -62,7 +65,7 @@ class CommandLine {
         ->type_name("FILE");
     sub->add_option("--threads", args_.threads,
                     "number of threads; the result does not depend on it (default: all cores)")
-        ->check(CLI::PositiveNumber);
+        ->check(numberIn(1, kMostThreads, "N"));
     auto* quiet = sub->add_flag("-q,--quiet", args_.quiet, "print neither summary nor progress");
     sub->add_flag("-v,--verbose", args_.verbose, "print each iteration")->excludes(quiet);
     return sub;
@@ -161,7 +164,7 @@ class CommandLine {
         ->type_name("FILE")
         ->expected(1);
     sub->add_option("--domain", args_.domain, "robots of the same DDS domain meet")
-        ->check(CLI::Range(0U, mrpt::fusion::kMostDomain))
+        ->check(numberIn(0, mrpt::fusion::kMostDomain, "N"))
         ->capture_default_str();
     sub->add_option("--peer", args_.peers,
                     "address of another robot; may be given several times. Without --peer, robots "
@@ -172,12 +175,11 @@ class CommandLine {
                     "folder that keeps what has arrived, so that the robot continues after a crash")
         ->type_name("DIR");
     sub->add_option("--for", args_.seconds, "leave after a time, s (default: at SIGTERM or SIGINT)")
-        ->check(CLI::PositiveNumber);
+        ->check(numberIn(kLeastTime, kMostTime, "SECONDS"));
     sub->add_option("--until-complete", args_.until_complete,
                     "leave when this robot has N whole maps, with its own, and N - 1 robots have "
                     "the map of this robot")
-        ->type_name("N")
-        ->check(CLI::PositiveNumber);
+        ->check(numberIn(1, kMaxMaps, "N"));
   }
   void pose(CLI::App* sub, const std::string& what) {
     sub->add_option("--pose,--init", args_.pose, what + ": " + kPoseHelp)

@@ -84,6 +84,20 @@ TEST_F(Messages, NameTheFormatOfAnUnknownExtension) {
     EXPECT_EQ(mapFusion(move + known).err, "") << known;
 }
 
+TEST_F(Messages, OfWordsThatAreNoNumbersNameThem) {
+  expectLine("match " + both() + " --threads 0", 2, "0 is not in [1, 1024]");
+  expectLine("info " + pair("map_a.ot") + " --resolution 5cm", 2, "5cm is not a number");
+  expectLine("build c.ply --sensor-origin 0 0 0 -o x.ot", 2,
+             "three numbers need quotes: \"0 0 0\"");
+}
+
+TEST_F(Messages, HelpIsACommandToo) {
+  EXPECT_EQ(mapFusion("help").out, mapFusion("--help").out);
+  const auto of_fuse = mapFusion("help fuse");
+  EXPECT_EQ(of_fuse.code, 0);
+  EXPECT_EQ(of_fuse.out, mapFusion("fuse --help").out);
+}
+
 TEST_F(Messages, OfOneMapAreUsageErrors) {
   expectLine("fuse " + pair("map_a.ot") + " -o fused.ot", 2, "holds one map");
   expectLine("match " + pair("map_a.ot"), 2, "");

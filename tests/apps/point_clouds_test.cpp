@@ -138,6 +138,9 @@ TEST_F(PointClouds, OfBadInputGiveOneLine) {
         "fuse " + pair("map_a.ot") + " cut.pcd -o out.ot"})
     expectLine(command, "cut.pcd: point cloud (.pcd): the header announces");
   expectLine("build empty.ply -o out.ot", "empty.ply: the map has no occupied voxel");
+  writeFile(dir_ / "far.ply", plyFile({{5e5F, 0, 0}, {6e5F, 1, 0}}, "ascii"));
+  expectLine("build far.ply -o out.ot",
+             "all points are outside of the grid of the map, which ends 3276.8 m from the origin");
   expectLine("build good.pcd --sensor-origin '1e9 0 0' -o out.ot", "outside of the grid");
   expectLine("build good.pcd --sensor-origin '0 0 0' --resolution 0.0005 -o out.ot", "good.pcd: ");
   expectLine("build " + pair("robot_a.rawlog") + " --resolution 0.2 -o out.ot", "is a recording");

@@ -41,7 +41,8 @@ std::string upper(std::string text) {
 /** Returns the first sentence of a description, as a part of the line in NAME. */
 std::string summaryOf(const CLI::App& app) {
   std::string text = app.get_description();
-  text = text.substr(0, std::min(text.find(". "), text.find('\n')));
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  text = text.substr(0, std::min(text.find(". "), text.find(": ")));
   if (!text.empty() && text.back() == '.') text.pop_back();
   if (!text.empty()) text[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(text[0])));
   return text;
@@ -149,8 +150,8 @@ std::string manualPage(const CLI::App& app, const CLI::App& command) {
   out << header(name, command) << ".SH SYNOPSIS\n"
       << bold("map-fusion " + command.get_name()) << " [" << italic("OPTIONS") << "]" << names
       << "\n.SH DESCRIPTION\n"
-      << escaped(command.get_description()) << ".\n.SH ARGUMENTS\n"
-      << arguments << optionsOf(command);
+      << escaped(command.get_description()) << ".\n"
+      << (arguments.empty() ? "" : ".SH ARGUMENTS\n") << arguments << optionsOf(command);
   std::string example = command.get_footer();
   example.erase(0, example.find('\n') + 1);  // the line "Example:"
   out << ".SH EXAMPLE\n.nf\n.RS\n" << escaped(example) << "\n.RE\n.fi\n" << exitStatus(app);

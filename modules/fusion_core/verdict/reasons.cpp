@@ -39,10 +39,11 @@ void judge(bool is_good, const std::string& yes, const std::string& no, Evaluati
 
 void judgeOverlap(const EvaluationParams& params, Evaluation& e) {
   if (e.pairs == 0) return judge(false, "", "the maps do not touch at this pose", e);
-  judge(e.overlap >= params.min_overlap, "overlap " + percent(e.overlap) + " is sufficient",
-        "overlap " + percentBeside(params.min_overlap, e.overlap) + " is below " +
-            percent(params.min_overlap),
-        e);
+  const std::string overlap = "overlap " + percentBeside(params.min_overlap, e.overlap);
+  judge(e.overlap >= params.min_overlap,
+        overlap + " is at least " + percent(params.min_overlap) +
+            ", below which maps are not compared",
+        overlap + " is below " + percent(params.min_overlap), e);
   const std::string inliers = "inlier ratio " + percentBeside(e.threshold, e.inlier_ratio);
   judge(e.inlier_ratio > e.threshold, inliers + " is above its threshold " + percent(e.threshold),
         inliers + " is not above its threshold " + percent(e.threshold), e);
@@ -122,9 +123,10 @@ void judgeProbability(const Circumstances& circumstances, const EvaluationParams
                       Evaluation& e) {
   if (e.pairs > 0 && circumstances.probability_of_staying < params.held_probability)
     e.addReasonAgainst("the shared surfaces do not fix the pose of map B: " + textOf(e.deviation));
-  if (params.min_probability <= 0) return;
   const std::string right = "the pose is right with a probability of " +
                             percentBeside(params.min_probability, e.probability);
+  if (params.min_probability <= 0)
+    return e.addReasonAgainst(right + ", which the settings do not test");
   judge(e.probability >= params.min_probability, right,
         right + ", below " + percent(params.min_probability), e);
 }

@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <stdexcept>
 
 #include "fusion_octree/build.h"
@@ -90,6 +91,14 @@ std::string textOf(size_t count, const char* what) {
   return std::to_string(count) + (count == 1 ? " point " : " points ") + what;
 }
 
+/** Returns where the grid of a map ends, as the end of a sentence. */
+std::string endOfGrid(double resolution) {
+  char text[96];
+  std::snprintf(text, sizeof(text), ", which ends %g m from the origin (32768 voxels of %g m)",
+                32768 * resolution, resolution);
+  return text;
+}
+
 }  // namespace
 
 std::unique_ptr<OcTree> octreeOf(const PointCloud& cloud, const std::optional<point3d>& origin,
@@ -118,10 +127,16 @@ std::unique_ptr<OcTree> parseCloudMap(std::string_view bytes, const CloudParams&
   const auto origin = params.sensor_origin ? params.sensor_origin : cloud.viewpoint;
   size_t outside = 0;
   auto tree = octreeOf(cloud, origin, params.resolution, outside);
+  const std::string end = endOfGrid(params.resolution);
+  if (outside > 0 && outside == cloud.points.size())
+    throw std::runtime_error("all points are outside of the grid of the map" + end +
+                             ": subtract an offset, or use larger voxels");
   if (!notes) return tree;
   const auto note = [&](const std::string& text) { notes->push_back(text); };
   if (cloud.not_finite > 0) note(textOf(cloud.not_finite, "without finite coordinates left out"));
-  if (outside > 0) note(textOf(outside, "outside of the grid of the map left out"));
+  if (outside > 0)
+    note(textOf(outside, "outside of the grid of the map left out") + end +
+         ": are the lengths in m?");
   if (cloud.has_faces) note("is a mesh: only its vertices are used");
   if (!origin) note("the position of the sensor is not known: the map has no free space");
   return tree;

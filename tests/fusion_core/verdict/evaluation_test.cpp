@@ -166,7 +166,8 @@ TEST(EvaluateMatch, FiguresByHand) {
   EXPECT_EQ(e.free_space.agreeing, 200);  // both ways
   EXPECT_EQ(e.free_space.conflicting, 0);
   EXPECT_TRUE(e.accepted);
-  EXPECT_EQ(e.reasons.size(), 3);
+  EXPECT_EQ(e.reasons.size(), 4);
+  EXPECT_NE(e.reasons[0].find("which the settings do not test"), std::string::npos) << reasonsOf(e);
 }
 
 TEST(EvaluateMatch, InlierRatioMustExceedItsThreshold) {
@@ -340,12 +341,13 @@ TEST(EvaluateMatch, ReasonsAgainstThePoseComeFirst) {
   c.params.max_runner_up = 0.5;
   const Evaluation e =
       evaluateMatch(c.a, c.b, {{0, 0, 0}, {1, 1, 0}, {2, 2, 0}}, c.T_a_b, c.params, {0.6, {}});
-  ASSERT_EQ(e.reasons.size(), 4U) << reasonsOf(e);
-  ASSERT_EQ(e.reasons_against, 2U) << reasonsOf(e);
+  ASSERT_EQ(e.reasons.size(), 5U) << reasonsOf(e);
+  ASSERT_EQ(e.reasons_against, 3U) << reasonsOf(e);
   EXPECT_NE(e.reasons[0].find("neither map has free space"), std::string::npos) << reasonsOf(e);
   EXPECT_NE(e.reasons[1].find("another pose"), std::string::npos) << reasonsOf(e);
-  EXPECT_NE(e.reasons[2].find("overlap"), std::string::npos) << reasonsOf(e);
-  EXPECT_EQ(c.with({{0, 0, 0}, {1, 1, 0}, {2, 2, 0}}).reasons_against, 1U);
+  EXPECT_NE(e.reasons[2].find("which the settings do not test"), std::string::npos) << reasonsOf(e);
+  EXPECT_NE(e.reasons[3].find("overlap"), std::string::npos) << reasonsOf(e);
+  EXPECT_EQ(c.with({{0, 0, 0}, {1, 1, 0}, {2, 2, 0}}).reasons_against, 2U);
 }
 
 TEST(EvaluateMatch, AFigureAndItsLimitReadDifferently) {
