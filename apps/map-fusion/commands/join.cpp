@@ -40,6 +40,11 @@ constexpr std::chrono::seconds kReadingPeriod{1};
 constexpr std::chrono::seconds kStatusPeriod{1};
 /** Longest time without a look at the link. */
 constexpr std::chrono::milliseconds kWaiting{100};
+/** As kWaiting, while samples wait to be sent. A busy link waits for itself. */
+constexpr std::chrono::milliseconds kWaitingToSend{10};
+
+/** Longest time for which a robot that leaves sends what still waits. */
+constexpr std::chrono::seconds kFarewell{3};
 
 std::unique_ptr<mrpt::fusion::Link> openLink([[maybe_unused]] const Arguments& args) {
 #ifdef DDS_MODULE
@@ -87,9 +92,10 @@ class Member {
       is_new_ = exchange_.step() || is_new_;
       think();
       if (status_.isDue()) tell();
-      link_->wait(exchange_.waiting() > 0 ? std::chrono::milliseconds(1) : kWaiting);
+      link_->wait(exchange_.waiting() > 0 ? kWaitingToSend : kWaiting);
     } while (!stopWanted() && !isComplete() && (run_.args.seconds <= 0 || Clock::now() < end));
     if (thinking_.valid()) take(thinking_.get());
+    if (isComplete()) sayFarewell();
     tell();
   }
 
@@ -157,13 +163,22 @@ class Member {
   bool isComplete() const {
     const size_t wanted = run_.args.until_complete;
     if (wanted == 0 || known_.whole_maps < wanted) return false;
-    if (thinking_.valid() || is_new_ || exchange_.waiting() > 0) return false;
+    if (thinking_.valid() || is_new_) return false;
     const auto& own = exchange_.maps().at({run_.args.robot, {}});
     const auto& acknowledged = exchange_.acknowledged();
     const auto know = std::count_if(acknowledged.begin(), acknowledged.end(), [&](const auto& a) {
       return a.second == own.completeVersion();
     });
     return !live_ || static_cast<size_t>(know) + 1 >= wanted;
+  }
+
+  /** Sends what still waits, as what this robot has. If nobody is there, it soon gives up. */
+  void sayFarewell() {
+    const auto end = Clock::now() + kFarewell;
+    while (exchange_.waiting() > 0 && Clock::now() < end) {
+      exchange_.step();
+      link_->wait(kWaitingToSend);
+    }
   }
 
   /** Prints one line if it is another line than before. */

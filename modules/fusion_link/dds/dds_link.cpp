@@ -65,7 +65,7 @@ std::string configOf(const DdsSettings& settings) {
       "<Peers>" +
       peers +
       "</Peers></Discovery>"
-      "<Internal><NackDelay>500ms</NackDelay><HeartbeatInterval>500ms</HeartbeatInterval>"
+      "<Internal><NackDelay>1s</NackDelay><HeartbeatInterval>1s</HeartbeatInterval>"
       "<Watermarks><WhcHigh>4kB</WhcHigh><WhcHighInit>4kB</WhcHighInit><WhcLow>1kB</WhcLow>"
       "<WhcAdaptive>false</WhcAdaptive></Watermarks></Internal></Domain>";
   if (const char* more = std::getenv("CYCLONEDDS_URI"); more && *more)
@@ -125,6 +125,10 @@ class DdsLink : public Link {
   }
 
   bool send(const Sample& sample) override {
+    // Samples that wait here can still be put in order, and do not leave all at once.
+    dds_publication_matched_status_t readers{};
+    dds_get_publication_matched_status(writer_, &readers);
+    if (readers.current_count == 0) return false;
     const WireSample wire = wireSample(sample.key, sample.version, sample.bytes);
     const dds_return_t done = dds_write(writer_, &wire);
     if (done == DDS_RETCODE_TIMEOUT) return false;
