@@ -6,6 +6,7 @@
 #include <mrpt/fusion/alignment.h>
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "fusion_base/error_text.h"
@@ -17,6 +18,9 @@ namespace {
 
 /** A part of a map is fused anew when its bytes have grown by this factor. */
 constexpr double kGrowthOfPart = 1.25;
+
+/** Largest number of nodes of all maps of a team: 20 large buildings, and about 1 GB. */
+constexpr size_t kMostTeamNodes = 20'000'000;
 
 std::string nameOf(const SourceName& source) {
   return source.map.empty() ? source.robot : source.robot + "/" + source.map;
@@ -77,8 +81,13 @@ TeamKnowledge TeamView::update(const std::vector<MapSnapshot>& snapshots) {
     if (known.meeting) result.meetings.push_back(*known.meeting);
     const auto pose = poseInOwn(name, known, *result.state);
     if (!pose) continue;
-    result.wanted.push_back({s.source, blocksOfOverlap(*s.index, *outlineFrom(*s.outline),
-                                                       *known_.at(own_).map->map.octree(), *pose)});
+    try {
+      const auto outline = outlineFrom(*s.outline);
+      const octomap::OcTree& own = *known_.at(own_).map->map.octree();
+      result.wanted.push_back({s.source, blocksOfOverlap(*s.index, *outline, own, *pose)});
+    } catch (const std::exception& e) {
+      result.notes.push_back(name + ": " + messageOf(e));
+    }
   }
   return result;
 }
@@ -87,18 +96,28 @@ TeamKnowledge TeamView::update(const std::vector<MapSnapshot>& snapshots) {
  * \return True if the map of the team changes. */
 bool TeamView::take(const MapSnapshot& s, Known& known) {
   if (!s.blocks || s.blocks->blocks.empty()) return false;
-  if (s.complete_version > 0 ? s.complete_version == known.version : known.version > 0)
-    return false;
+  if (s.complete_version > 0 ? s.complete_version == known.tried : known.version > 0) return false;
   const size_t bytes = bytesOf(*s.blocks);
   if (s.complete_version == 0 && static_cast<double>(bytes) < kGrowthOfPart * known.bytes)
     return false;
   known.bytes = bytes;
-  PreparedMap map(std::shared_ptr<const octomap::OcTree>(joinBlocks(*s.blocks)), options_.features);
+  known.tried = s.complete_version;
+  const std::shared_ptr<const octomap::OcTree> tree = joinBlocks(*s.blocks);
+  checkSize(nameOf(s.source), *tree);
+  PreparedMap map(tree, options_.features);
   if (map.occupiedVoxels() == 0) return false;
   known.version = s.complete_version;
   known.map = RobotMap{nameOf(s.source),
                        map.withSources({{s.source.robot, s.source.map, known.version, 0}})};
   return true;
+}
+
+/** \exception std::runtime_error If all maps together are too large with a map. */
+void TeamView::checkSize(const std::string& robot, const octomap::OcTree& map) const {
+  size_t nodes = map.size();
+  for (const auto& [name, known] : known_)
+    if (known.map && name != robot) nodes += known.map->map.octree()->size();
+  if (nodes > kMostTeamNodes) throw std::runtime_error("the maps of the team have too many nodes");
 }
 
 /** Matches the outline of a map with the map of this robot, once for each version of both. */

@@ -74,6 +74,7 @@ class TeamView {
  private:
   struct Known {
     uint64_t version = 0;         // complete version in the team; 0: a part, or nothing
+    uint64_t tried = 0;           // complete version that was taken over or refused
     size_t bytes = 0;             // of the blocks of the part
     std::optional<RobotMap> map;  // in the team
     uint64_t met_own = 0;         // versions of the own map and of the outline of the meeting
@@ -82,6 +83,7 @@ class TeamView {
   };
 
   bool take(const MapSnapshot& snapshot, Known& known);
+  void checkSize(const std::string& robot, const octomap::OcTree& map) const;
   void meet(const MapSnapshot& snapshot, Known& known);
   std::optional<Eigen::Isometry3d> poseInOwn(const std::string& robot, const Known& known,
                                              const TeamState& state) const;

@@ -9,6 +9,7 @@
 #include "fusion_link/simulated_network.h"
 #include "fusion_link/team_exchange.h"
 #include "fusion_link/wanted.h"
+#include "fusion_octree/compression.h"
 #include "support/apartment_pair.h"
 #include "support/tree_tools.h"
 
@@ -147,6 +148,51 @@ TEST(TeamView, APartOfAMapJoinsAndAnOlderWholeMapStaysUntilTheNewerIsWhole) {
   EXPECT_EQ(known.whole_maps, 2U);
   const ManyFused fused = fuseMaps({{"a", PreparedMap(a)}, {"b", PreparedMap(b2)}}, {});
   EXPECT_TRUE(map_tests::sameTree(*known.state->map, *fused.map));
+}
+
+TEST(TeamView, ADamagedOutlineIsNoted) {
+  const Map a = part(0, 70, 0), b = part(20, 85, 40);
+  const SourceName name_a{"a", ""}, name_b{"b", ""};
+  MapReplica replica_a(name_a), replica_b(name_b);
+  for (const Sample& s : SentMap(replica_a).update(a)) replica_a.add(s);
+  for (const Sample& s : SentMap(replica_b).update(b)) replica_b.add(s);
+  MapSnapshot part_of_b(replica_b);
+  part_of_b.complete_version = 0;  // it joins by its blocks, and its outline orders the others
+  part_of_b.outline = "no outline";
+  TeamView view("a", {});
+  const auto known = view.update({MapSnapshot(replica_a), part_of_b});
+  ASSERT_EQ(known.state->members.size(), 2U);
+  EXPECT_TRUE(known.state->members[1].joined);
+  EXPECT_FALSE(known.notes.empty());
+  EXPECT_TRUE(known.wanted.empty());
+}
+
+TEST(TeamView, MapsWithTooManyNodesAreNotedAndLeftOut) {
+  // Voxels that are all alike, but not pruned: 73k nodes in few bytes, at 300 places.
+  octomap::OcTree alike(kVoxel);
+  const auto key = [](int i) { return static_cast<octomap::key_type>(32768 + i); };
+  for (int i = 0; i < 40 * 40 * 40; i++)
+    alike.setNodeValue(octomap::OcTreeKey(key(i % 40), key(i / 40 % 40), key(i / 1600)), 1.F, true);
+  alike.updateInnerOccupancy();
+  const auto* node =
+      alike.search(octomap::OcTreeKey(key(0), key(0), key(0)), 10);  // a cube of 64^3 voxels
+  const auto bytes =
+      std::make_shared<const std::string>(compressNodes(*node, 10, Packing::Smallest));
+  MapReplica nothing({"a", ""});
+  MapSnapshot bomb(nothing);
+  bomb.complete_version = 1;
+  bomb.blocks = MapBlocks{divideIntoBlocks(alike).trunk, {}};
+  for (unsigned i = 0; i < 300; i++) {
+    OcTreeCube place;
+    place.depth = 10;
+    place.key[0] = static_cast<octomap::key_type>(i % 20 * place.side());
+    place.key[1] = static_cast<octomap::key_type>(i / 20 * place.side());
+    bomb.blocks->blocks[codeOf(place)] = bytes;
+  }
+  TeamView view("a", {});
+  const auto known = view.update({bomb});
+  EXPECT_EQ(known.whole_maps, 0U);
+  EXPECT_EQ(known.notes.size(), 1U);
 }
 
 TEST(TeamView, AMapThatCannotBeUsedIsNotedAndLeftOut) {

@@ -8,6 +8,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -43,6 +44,8 @@ constexpr std::chrono::milliseconds kWaiting{100};
 /** As kWaiting, while samples wait to be sent. A busy link waits for itself. */
 constexpr std::chrono::milliseconds kWaitingToSend{10};
 
+/** Number of different notes about the maps of others: they may be hostile. */
+constexpr size_t kMostNotes = 100;
 /** Longest time for which a robot that leaves sends what still waits. */
 constexpr std::chrono::seconds kFarewell{3};
 
@@ -128,12 +131,16 @@ class Member {
   }
 
   void take(TeamKnowledge known) {
-    for (const std::string& note : known.notes)
-      if (note != last_note_) run_.note(last_note_ = note);
+    for (const std::string& text : known.notes) note(text);
     exchange_.want(known.wanted);
     const bool is_new = known.state && known.state->map && known.state != known_.state;
     known_ = std::move(known);
     if (is_new) save();
+  }
+
+  /** Notes what is wrong, once. */
+  void note(const std::string& text) {
+    if (notes_.size() < kMostNotes && notes_.insert(text).second) run_.note(text);
   }
 
   /** Writes all outputs. */
@@ -184,7 +191,7 @@ class Member {
   /** Prints one line if it is another line than before. */
   void tell() {
     if (const std::string reason = exchange_.takeReason(); !reason.empty())
-      run_.note("samples are refused: " + reason);
+      note("samples are refused: " + reason);
     std::string line;
     const auto add = [&](const std::string& text) { line += (line.empty() ? "" : " | ") + text; };
     for (const auto& [source, map] : exchange_.maps()) add(textOf(source, map));
@@ -230,7 +237,8 @@ class Member {
   TeamKnowledge known_;
   bool is_new_ = true;  // true if the maps have changed since the last fusion began
   Timer reading_{kReadingPeriod}, status_{kStatusPeriod};
-  std::string last_line_, last_note_;
+  std::string last_line_;
+  std::set<std::string> notes_;  // that were printed
 };
 
 }  // namespace
