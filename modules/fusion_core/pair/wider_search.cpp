@@ -4,6 +4,7 @@
 #include "fusion_core/pair/wider_search.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "fusion_core/pair/match.h"
@@ -53,6 +54,15 @@ Judged better(const MapFeatures& a, const MapFeatures& b, const Options& options
 
 }  // namespace
 
+bool isTooTilted(const Eigen::Isometry3d& T_a_b, const Eigen::Isometry3d& guess,
+                 const SearchParams& search) {
+  if (search.rotations == SearchRotations::All) return false;
+  const auto verticalOfAInB = [](const Eigen::Isometry3d& T) -> Eigen::Vector3d {
+    return T.linear().row(2).transpose();
+  };
+  return verticalOfAInB(T_a_b).dot(verticalOfAInB(guess)) < std::cos(search.levelling.max_tilt);
+}
+
 std::vector<SearchParams> widerSearches(const Prior& prior, const Options& options) {
   const SearchParams& near = options.search;
   if (near.translation <= 0 || near.isEverywhere() || options.evaluation.sure_probability <= 0)
@@ -73,6 +83,7 @@ Evaluation judgeAndSearchWider(const MapFeatures& a, const MapFeatures& b, const
       Options wider = options;
       wider.search = search;
       MatchResult wide = matchMaps(a, b, toEigen(prior.guess()), wider);
+      if (isTooTilted(wide.T_a_b, toEigen(prior.guess()), search)) continue;
       best = better(a, b, options, std::move(best), std::move(wide));
     }
   result = std::move(best.match);

@@ -6,6 +6,7 @@
 #include <mrpt/fusion/options.h>
 #include <mrpt/fusion/poses.h>
 
+#include <Eigen/Geometry>
 #include <vector>
 
 #include "fusion_core/features/features.h"
@@ -23,6 +24,12 @@ namespace mrpt::fusion {
  * \param[in] options options.search is the search near the guess. */
 std::vector<SearchParams> widerSearches(const Prior& prior, const Options& options);
 
+/** Returns whether B is tilted against the guess by more than LevellingParams::max_tilt. A search
+ * that turns B about the vertical can reach such a pose only by a registration that went astray.
+ * Always false if the search tries all rotations. */
+bool isTooTilted(const Eigen::Isometry3d& T_a_b, const Eigen::Isometry3d& guess,
+                 const SearchParams& search);
+
 /** Judges a match near a guess, and searches farther while the match is not sure. A match is sure
  * if it is accepted with a probability of at least EvaluationParams::sure_probability.
  *
@@ -31,6 +38,7 @@ std::vector<SearchParams> widerSearches(const Prior& prior, const Options& optio
  * better pose, or if both poses are rejected and the better pose is more probable. The match then
  * stays as a rival. In all other cases the clearly better pose becomes the rival of the match, and
  * the match is rejected.
+ * A pose that isTooTilted() is no place of a wider search.
  * A prior with a covariance bounds all searches: a rival outside does not overrule the match.
  * Cost: each search costs as much as matchMaps() without a guess.
  * \param[in] a,b Features of the maps A and B.

@@ -44,6 +44,19 @@ TEST_F(SearchingWider, AGuessWhereTheMapsDoNotMeetIsNoWorseThanNoGuess) {
   EXPECT_LT(error(r), 0.1);
 }
 
+TEST_F(SearchingWider, APoseThatTiltsTheMapIsNoPlace) {
+  const SearchParams search;
+  const Eigen::Isometry3d guess = poseOf(1, 2, 3, 40, 10, 5);
+  for (const auto& moved :
+       {poseOf(9, -5, 2, 170), poseOf(0, 0, 0, 90, 15), poseOf(0, 0, 0, 0, 0, -20)})
+    EXPECT_FALSE(isTooTilted(moved * guess, guess, search)) << moved.matrix();
+  for (const auto& turned : {poseOf(0, 0, 0, 0, 40), poseOf(3, 0, 0, 120, 0, -30)})
+    EXPECT_TRUE(isTooTilted(turned * guess, guess, search)) << turned.matrix();
+  SearchParams all_rotations;
+  all_rotations.rotations = SearchRotations::All;
+  EXPECT_FALSE(isTooTilted(poseOf(0, 0, 0, 0, 90) * guess, guess, all_rotations));
+}
+
 TEST_F(SearchingWider, AnAcceptedMatchThatIsNotSureGivesWayToABetterPose) {
   const Alignment r = align(a(), b(), Prior::near(toPose(far_off)), credulous());
   EXPECT_LT(error(r), 0.1);
