@@ -95,10 +95,13 @@ using OnMember = std::function<void(const std::string& robot, size_t joined)>;
  * would be accepted alone can be rejected. Maps that have only edges are matched last, for their
  * poses. The first whole map keeps its frame; the order of the other maps does not change the
  * result. No observation counts twice, see Counting, unless options.merge.independent says so.
- * Cost: n (n-1) / 2 matches for n maps, at most 12 n, and a search of the poses. \param[in] maps
- * One map of each robot. \param[in] options Parameters of all stages. \param[in] even_rejected If
- * true, maps that have not joined are matched with all joined maps, and join by their most probable
- * match. \param[in] on_member Called before each match. \param[in] on_iteration See align().
+ * Cost: n (n-1) / 2 matches for n maps, at most 12 n, and a search of the poses.
+ * \param[in] maps One map of each robot.
+ * \param[in] options Parameters of all stages.
+ * \param[in] even_rejected If true, maps that have not joined are matched with all joined maps,
+ * and join by their most probable match.
+ * \param[in] on_member Called before each match.
+ * \param[in] on_iteration See align().
  * \exception std::exception If there is no whole map, or a map has no occupied voxel: "<robot>:
  * <reason>". */
 MRPT_FUSION_API ManyFused fuseMaps(const std::vector<RobotMap>& maps, const Options& options,
