@@ -3,12 +3,18 @@
 
 #include <pybind11/pybind11.h>
 
+#include <string>
+
 /** \file
  * The parts of the Python module, in the order of the data flow. Each is one file. */
 
 namespace mrpt_fusion_python {
 
 namespace py = pybind11;
+
+/** Warns as Python does (UserWarning). \exception pybind11::error_already_set If warnings are
+ * errors. */
+void warn(const std::string& text);
 
 void bindError(py::module_& m);      ///< Error, the exception of this module
 void bindSettings(py::module_& m);   ///< default_options()

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * The exception of the module. */
+ * The exception and the warnings of the module. */
 
 #include <exception>
 #include <new>
@@ -13,15 +13,22 @@ namespace {
 
 PyObject* error = nullptr;  // owned by the module, which is never unloaded
 
-/** Messages may quote bytes of files that are not UTF-8. */
+/** Returns a message, which may quote bytes of files that are not UTF-8, as a text. */
+py::object textOf(const std::string& message) {
+  return py::reinterpret_steal<py::object>(
+      PyUnicode_DecodeUTF8(message.data(), static_cast<Py_ssize_t>(message.size()), "replace"));
+}
+
 void raise(const std::exception& e) {
-  const std::string text = mrpt::fusion::messageOf(e);
-  const auto message = py::reinterpret_steal<py::object>(
-      PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "replace"));
-  PyErr_SetObject(error, message.ptr());
+  PyErr_SetObject(error, textOf(mrpt::fusion::messageOf(e)).ptr());
 }
 
 }  // namespace
+
+void warn(const std::string& text) {
+  const auto message = textOf(text).cast<std::string>();
+  if (PyErr_WarnEx(PyExc_UserWarning, message.c_str(), 1) < 0) throw py::error_already_set();
+}
 
 void bindError(py::module_& m) {
   error = PyErr_NewExceptionWithDoc(

@@ -3,10 +3,16 @@
  * Maps from point clouds. */
 
 #include <mrpt/config/CConfigFileMemory.h>
+#include <mrpt/core/format.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <pybind11/stl.h>
 
 #include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "arrays.h"
 #include "bindings.h"
@@ -24,18 +30,39 @@ class MapBuilder {
  public:
   MapBuilder(double resolution, const py::dict& options) : map_(resolution) {
     constexpr const char* kSection = "options";
-    mrpt::config::CConfigFileMemory file;
+    mrpt::config::CConfigFileMemory file, defaults;
     file.setContent(iniText(options, kSection));
+    map_.insertionOptions.saveToConfigFile(defaults, kSection);
+    defaults.setContent(defaults.getContent());  // MRPT pads keys until they are parsed
+    checkKeys(file, defaults, kSection);
     map_.insertionOptions.loadFromConfigFile(file, kSection);
   }
 
-  void insert(const mrpt::maps::CSimplePointsMap& points, const Eigen::Vector3f& sensor,
-              bool rays) {
+  /** Inserts points, with the rays from a sensor if there is one. Points outside of the grid are
+   * left out. \return Number of points that are left out.
+   * \exception std::runtime_error If the sensor is outside of the grid. */
+  size_t insert(const std::vector<Eigen::Vector3f>& points,
+                const std::optional<Eigen::Vector3f>& sensor) {
+    if (sensor && !isInGrid(*sensor)) throw std::runtime_error("the sensor is " + outsideText());
+    size_t outside = 0;
+    mrpt::maps::CSimplePointsMap cloud;
+    cloud.reserve(points.size());
+    for (const Eigen::Vector3f& p : points) {
+      if (!isInGrid(sensor ? beamEnd(*sensor, p) : p)) outside++;
+      cloud.insertPointFast(p.x(), p.y(), p.z());
+    }
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (rays)
-      map_.insertPointCloud(points, sensor.x(), sensor.y(), sensor.z());
+    if (sensor)
+      map_.insertPointCloud(cloud, sensor->x(), sensor->y(), sensor->z());
     else
-      map_.insertPointCloud(points);
+      map_.insertPointCloud(cloud);
+    return outside;
+  }
+
+  /** Says where the grid ends. */
+  std::string outsideText() const {
+    return mrpt::format("outside of the grid of the map, which ends %g m from the origin",
+                        kGridVoxels * map_.getResolution());
   }
 
   MapPtr map() {
@@ -44,23 +71,52 @@ class MapBuilder {
   }
 
  private:
+  static constexpr double kGridVoxels = 32768;  // on each side of the origin
+
+  bool isInGrid(const Eigen::Vector3f& p) const {
+    const Eigen::Array3d voxel = (p.cast<double>() * (1 / map_.getResolution())).array().floor();
+    return (voxel >= -kGridVoxels).all() && (voxel < kGridVoxels).all();
+  }
+
+  /** Returns the point at which the beam to a point ends. */
+  Eigen::Vector3f beamEnd(const Eigen::Vector3f& sensor, const Eigen::Vector3f& point) const {
+    const Eigen::Vector3d beam = (point - sensor).cast<double>();
+    const double range = map_.insertionOptions.maxrange;
+    if (range < 0 || !(beam.norm() > range)) return point;
+    return (sensor.cast<double>() + range * beam.normalized()).cast<float>();
+  }
+
   std::mutex mutex_;
   CProbOctoMap map_;
 };
 
-void insert(MapBuilder& builder, const DoubleArray& points, const std::optional<DoubleArray>& pose,
-            bool rays) {
+/** Inserts points of the frame of the sensor. \return Number of points outside of the grid. */
+size_t insertScan(MapBuilder& builder, const DoubleArray& points,
+                  const std::optional<DoubleArray>& pose, bool rays) {
   checkPoints(points, "points");
   const Eigen::Isometry3d T = pose ? poseOf(*pose) : Eigen::Isometry3d::Identity();
   const auto p = points.unchecked<2>();
   const py::gil_scoped_release release;
-  mrpt::maps::CSimplePointsMap in_map;
-  in_map.resize(static_cast<size_t>(p.shape(0)));
+  std::vector<Eigen::Vector3f> in_map;
+  in_map.reserve(static_cast<size_t>(p.shape(0)));
   for (py::ssize_t i = 0; i < p.shape(0); i++) {
-    const Eigen::Vector3f q = (T * Eigen::Vector3d(p(i, 0), p(i, 1), p(i, 2))).cast<float>();
-    in_map.setPointFast(static_cast<size_t>(i), q.x(), q.y(), q.z());
+    const Eigen::Vector3d q = T * Eigen::Vector3d(p(i, 0), p(i, 1), p(i, 2));
+    if (q.allFinite()) in_map.emplace_back(q.cast<float>());
   }
-  builder.insert(in_map, T.translation().cast<float>(), rays);
+  std::optional<Eigen::Vector3f> sensor;
+  if (rays) sensor = T.translation().cast<float>();
+  return builder.insert(in_map, sensor);
+}
+
+void warnOf(size_t outside, const MapBuilder& builder) {
+  if (outside == 0) return;
+  warn(std::to_string(outside) + (outside == 1 ? " point is" : " points are") +
+       " left out: " + builder.outsideText());
+}
+
+void insert(MapBuilder& builder, const DoubleArray& points, const std::optional<DoubleArray>& pose,
+            bool rays) {
+  warnOf(insertScan(builder, points, pose, rays), builder);
 }
 
 py::object snapshotOf(MapBuilder& builder) {
@@ -72,12 +128,28 @@ py::object snapshotOf(MapBuilder& builder) {
   return toPython(map);
 }
 
+using Scan = std::pair<DoubleArray, std::optional<DoubleArray>>;  // points, pose of the sensor
+
+/** \exception pybind11::type_error If the object is not a pair of points and a pose. */
+Scan scanOf(const py::handle& object) {
+  if (!py::isinstance<py::array>(object)) {
+    try {
+      auto scan = object.cast<Scan>();
+      if (scan.first.ndim() == 2) return scan;
+    } catch (const py::cast_error&) {  // the reason says nothing of scans
+    }
+  }
+  throw py::type_error("each scan is a pair (points, pose)");
+}
+
 py::object mapOfScans(const py::iterable& scans, double resolution, const py::dict& options) {
   MapBuilder builder(resolution, options);
-  for (const py::handle scan : scans) {
-    const auto [points, pose] = scan.cast<std::pair<DoubleArray, std::optional<DoubleArray>>>();
-    insert(builder, points, pose, true);
+  size_t outside = 0;
+  for (const py::handle object : scans) {
+    const Scan scan = scanOf(object);
+    outside += insertScan(builder, scan.first, scan.second, true);
   }
+  warnOf(outside, builder);
   return snapshotOf(builder);
 }
 
@@ -107,7 +179,8 @@ clampingThresMin, clampingThresMax.
 
 Insert n x 3 points in the frame of the sensor, m. pose is the 4x4 pose of the sensor in the map. The
 space between sensor and points becomes free. With rays=False only the voxels of the points change.
-Points that are not numbers are left out.
+Points that are not numbers are left out. Points outside of the grid of the map (32768 voxels from the
+origin) are left out with a warning. A sensor outside of the grid is an Error.
 )")
       .def("map", &snapshotOf, R"(map() -> Map
 

@@ -5,6 +5,7 @@
 #include "settings.h"
 
 #include <mrpt/config/CConfigFileMemory.h>
+#include <pybind11/stl.h>
 
 #include <algorithm>
 #include <cctype>
@@ -43,11 +44,26 @@ std::string wordOf(const py::handle& object) {
   return word;
 }
 
+mrpt::config::CConfigFileMemory defaults() {
+  mrpt::config::CConfigFileMemory file;
+  Options().saveToConfigFile(file, kSection);
+  mrpt::fusion::saveVerdictModel({}, file);
+  return file;
+}
+
+std::vector<std::string> keysOf(const mrpt::config::CConfigFileBase& file,
+                                const std::string& section) {
+  std::vector<std::string> keys;
+  file.getAllKeys(section, keys);
+  return keys;
+}
+
 Options optionsOf(const std::string& text) {
   mrpt::config::CConfigFileMemory file;
   file.setContent(text);
   if (!file.sectionExists(kSection))
     throw std::runtime_error(std::string("has no section [") + kSection + "]");
+  for (const char* section : {kSection, kVerdictModelSection}) checkKeys(file, defaults(), section);
   Options options;
   options.loadFromConfigFile(file, kSection);
   return options;
@@ -66,18 +82,14 @@ py::object valueOf(const std::string& word) {
 }
 
 py::dict dictOf(const mrpt::config::CConfigFileBase& file, const std::string& section) {
-  std::vector<std::string> keys;
-  file.getAllKeys(section, keys);
   py::dict values;
-  for (const std::string& key : keys)
+  for (const std::string& key : keysOf(file, section))
     values[py::str(key)] = valueOf(file.read_string(section, key, ""));
   return values;
 }
 
 py::dict defaultOptions() {
-  mrpt::config::CConfigFileMemory file;
-  Options().saveToConfigFile(file, kSection);
-  mrpt::fusion::saveVerdictModel({}, file);
+  const mrpt::config::CConfigFileMemory file = defaults();
   py::dict values = dictOf(file, kSection);
   values[kVerdictModelSection] = dictOf(file, kVerdictModelSection);
   return values;
@@ -87,6 +99,19 @@ py::dict defaultOptions() {
 
 std::string pathOf(const py::object& path) {
   return py::module_::import("os").attr("fsencode")(path).cast<std::string>();
+}
+
+void checkKeys(const mrpt::config::CConfigFileBase& settings,
+               const mrpt::config::CConfigFileBase& defaults, const std::string& section) {
+  const std::vector<std::string> known = keysOf(defaults, section);
+  for (const std::string& key : keysOf(settings, section)) {
+    if (defaults.keyExists(section, key)) continue;
+    const py::list nearest =
+        py::module_::import("difflib").attr("get_close_matches")(key, known, 1);
+    throw std::runtime_error(
+        "[" + section + "] has an unknown key '" + key + "'" +
+        (nearest.empty() ? "" : "; the nearest is '" + nearest[0].cast<std::string>() + "'"));
+  }
 }
 
 std::string iniText(const py::dict& values, const std::string& section) {
@@ -128,7 +153,7 @@ model is a dict in the dict, with the name VerdictModel.
 2.5
 >>> mf.match('a.ot', 'b.ot', options={'serch_yaw_deg': 5})
 Traceback (most recent call last):
-mrpt_fusion.Error: [ProbabilisticMapMatching] has an unknown key 'serch_yaw_deg'
+mrpt_fusion.Error: [ProbabilisticMapMatching] has an unknown key 'serch_yaw_deg'; the nearest is 'search_yaw_deg'
 )");
 }
 

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Maps from point clouds."""
+import warnings
+
 import mrpt_fusion as mf
 import numpy as np
 import octomap_twin
@@ -64,9 +66,60 @@ def test_without_rays_no_space_becomes_free():
 
 def test_leaves_out_points_that_are_not_numbers():
     builder = mf.MapBuilder(0.1)
-    builder.insert([[np.nan, 0, 0], [np.inf, 0, 0], [1, 0, 0], [1e30, 0, 0]])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        builder.insert([[np.nan, 0, 0], [np.inf, 0, 0], [1, 0, 0]])
+        builder.insert(np.zeros((0, 3)))
     assert len(builder.map().voxels().centres) == 1
-    builder.insert(np.zeros((0, 3)))
+
+
+LIMIT = 3276.8  # m, at voxels of 0.1 m
+
+
+@pytest.mark.parametrize("rays", [False, True])
+def test_warns_of_points_outside_of_the_grid(rays):
+    builder = mf.MapBuilder(0.1)
+    points = [[1, 0, 0], [LIMIT - 0.05, 0, 0], [0, LIMIT + 0.05, 0], [0, 0, -LIMIT - 0.05], [1e30, 0, 0]]
+    with pytest.warns(UserWarning, match="^3 points are left out: outside of the grid .* 3276.8 m"):
+        builder.insert(points, rays=rays)
+    assert len(builder.map().voxels().centres) == 2
+    with pytest.warns(UserWarning, match="^1 point is left out"):
+        builder.insert([[2, 0, 0]] + points[3:4], rays=rays)
+
+
+def test_warns_once_of_all_scans():
+    far = [[5000, 0, 0], [1, 1, 1]]
+    with pytest.warns(UserWarning) as warned:
+        mf.Map.from_scans([(far, None), (far, np.eye(4))], 0.1)
+    assert [str(w.message) for w in warned] == [
+        "2 points are left out: outside of the grid of the map, which ends 3276.8 m from the origin"]
+
+
+def test_beams_that_end_at_the_largest_range_leave_no_point_out():
+    builder = mf.MapBuilder(0.1, {"maxrange": 3})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        builder.insert([[5000, 0, 0]])
+    assert len(builder.map().voxels("free").centres) > 0
+
+
+def test_refuses_a_sensor_outside_of_the_grid():
+    builder = mf.MapBuilder(0.1)
+    far = np.eye(4)
+    far[1, 3] = 4000
+    with pytest.raises(mf.Error, match="^the sensor is outside of the grid .* 3276.8 m"):
+        builder.insert([[0, -2000, 0]], far)
+    assert builder.map().nodes == 0
+    builder.insert([[0, -2000, 0]], far, rays=False)
+    assert len(builder.map().voxels().centres) == 1
+
+
+@pytest.mark.parametrize("scans", [
+    [np.zeros((5, 3))], [np.zeros((2, 3))], [[[1, 0, 0], [0, 2, 0]]], (np.zeros((5, 3)), np.eye(4)),
+    [1], [(np.zeros((5, 3)), np.eye(4), 0.1)], ["ab"]])
+def test_names_what_a_scan_is(scans):
+    with pytest.raises(TypeError, match=r"^each scan is a pair \(points, pose\)$"):
+        mf.Map.from_scans(scans, 0.1)
 
 
 @pytest.mark.parametrize("arguments, fault", [
@@ -82,7 +135,7 @@ def test_refuses_what_are_no_points(arguments, fault):
 
 
 def test_refuses_unknown_options():
-    with pytest.raises(mf.Error, match="max_range"):
+    with pytest.raises(mf.Error, match="unknown key 'max_range'; the nearest is 'maxrange'$"):
         mf.MapBuilder(0.1, {"max_range": 3})
     with pytest.raises(mf.Error):
         mf.MapBuilder(0)
