@@ -9,7 +9,12 @@
 #include <mrpt/serialization/CSerializable.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <cctype>
+#include <cmath>
 #include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <vector>
@@ -17,6 +22,7 @@
 #include "bindings.h"
 #include "fusion_base/error_text.h"
 #include "map.h"
+#include "poses.h"
 
 using mrpt::fusion::withPath;
 using mrpt::maps::CMetricMap;
@@ -41,6 +47,18 @@ class Reading {
     params_.config = &config_;
   }
 
+  /** Makes maps of point clouds with voxels of a size, m. */
+  void useResolution(double resolution) { params_.cloud_resolution = resolution; }
+
+  /** Makes maps of point clouds that are seen from a position, m. */
+  void useSensorOrigin(const DoubleArray& origin) {
+    const auto* p = origin.data();
+    if (origin.ndim() != 1 || origin.size() != 3 ||
+        !std::all_of(p, p + 3, [](double x) { return std::isfinite(x); }))
+      throw py::value_error("sensor_origin is not an array of 3 numbers");
+    params_.cloud_sensor_origin.emplace(p[0], p[1], p[2]);
+  }
+
   /** Calls f with the path and the parameters, without the GIL. */
   template <class F>
   auto run(F&& f) {
@@ -48,8 +66,7 @@ class Reading {
       const py::gil_scoped_release release;
       return f(path_, params_);
     }();
-    for (const std::string& note : notes_)
-      if (PyErr_WarnEx(PyExc_UserWarning, note.c_str(), 1) < 0) throw py::error_already_set();
+    for (const std::string& note : notes_) warn(note);
     return result;
   }
 
@@ -60,9 +77,13 @@ class Reading {
   std::vector<std::string> notes_;
 };
 
-std::shared_ptr<Map> load(const py::object& path, const py::object& config) {
+std::shared_ptr<Map> load(const py::object& path, const py::object& config,
+                          std::optional<double> resolution,
+                          const std::optional<DoubleArray>& sensor_origin) {
   Reading reading(pathOf(path));
   if (!config.is_none()) reading.useConfig(pathOf(config));
+  if (resolution) reading.useResolution(*resolution);
+  if (sensor_origin) reading.useSensorOrigin(*sensor_origin);
   return reading.run([](const std::string& p, const mrpt::fusion::BuildParams& params) {
     const CMetricMap::Ptr map = mrpt::fusion::loadAnyMap(p, params);
     return withPath(p, [&] { return Map::from(map, Origin::of(p)); });
@@ -86,13 +107,28 @@ py::dict loadMission(const py::object& path) {
   return robots;
 }
 
+/** \exception std::runtime_error If the extension is that of pictures or point clouds. */
+void checkExtension(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (const char* other : {".jpeg", ".jpg", ".las", ".laz", ".obj", ".pcd", ".pgm", ".ply", ".png",
+                            ".stl", ".xyz", ".yaml"})
+    if (extension == other)
+      throw std::runtime_error(path + ": a map cannot be written as " + extension +
+                               ": use .ot, .bt or .gridmap");
+}
+
 void save(const Map& map, const py::object& path) {
   const std::string p = pathOf(path);
+  checkExtension(p);
   const py::gil_scoped_release release;
   mrpt::fusion::saveMap(map.metricMap(), p);
 }
 
-std::shared_ptr<Map> fromBytes(const py::bytes& bytes, double resolution) {
+std::shared_ptr<Map> fromBytes(const py::buffer& data, double resolution) {
+  // Bytes stay as they are. All else may change in another thread, and is copied.
+  const auto bytes = py::reinterpret_steal<py::bytes>(PyBytes_FromObject(data.ptr()));
+  if (!bytes) throw py::error_already_set();
   const auto view = static_cast<std::string_view>(bytes);
   const py::gil_scoped_release release;
   auto map = std::make_shared<CProbOctoMap>();
@@ -132,16 +168,21 @@ std::shared_ptr<Map> fromPickle(const py::tuple& state) {
 
 MapPtr mapOf(const py::object& map) {
   if (py::isinstance<Map>(map)) return map.cast<std::shared_ptr<Map>>();
-  return load(map, py::none());
+  return load(map, py::none(), {}, {});
 }
 
 void bindFiles(py::module_& m) {
-  m.def("load", &load, py::arg("path"), py::arg("config") = py::none(),
-        R"(load(path, config=None) -> Map
+  m.def("load", &load, py::arg("path"), py::arg("config") = py::none(), py::kw_only(),
+        py::arg("resolution") = py::none(), py::arg("sensor_origin") = py::none(),
+        R"(load(path, config=None, *, resolution=None, sensor_origin=None) -> Map
 
-Load the map of a file of any kind: .ot, .bt, a map of MRPT, or a recording (.rawlog, .simplemap),
-from which a map is built. config is the path of an .ini file that defines the map of a
-recording, as for map-fusion --config. Differences between the file and the map are warnings.
+Load the map of a file of any kind: .ot, .bt, a map of MRPT, a point cloud (.pcd, .ply), or a recording
+(.rawlog, .simplemap), from which a map is built. config is the path of an .ini file that defines the
+map of a recording, as for map-fusion --config. resolution and sensor_origin are for point clouds; other
+files do not use them. resolution: voxel size, m (default 0.1). sensor_origin: position of the sensor in
+the frame of the points, m: the space between the sensor and the points becomes free. Without
+sensor_origin, the file may state the position; otherwise the map has no free space. Differences
+between the file and the map are warnings.
 
 >>> mf.load('a.ot').resolution
 0.1
@@ -157,7 +198,8 @@ The keys are the names of the robots.
           R"(save(path) -> None
 
 Save the map. The extension decides: .ot (all probabilities), .bt (occupied or free), otherwise an
-object of MRPT. Writes the whole file or nothing.
+object of MRPT, for which .gridmap is usual. Pictures and point clouds (.png, .ply, ...) are an Error.
+Writes the whole file or nothing.
 
 >>> mf.load('a.ot').save('copy.ot')
 >>> open('copy.ot', 'rb').read() == open('a.ot', 'rb').read()
@@ -166,7 +208,7 @@ True
   map.def_static("from_bytes", &fromBytes, py::arg("data"), py::arg("resolution") = 0.0,
                  R"(from_bytes(data, resolution=0) -> Map
 
-Return the map of the contents of a .ot or .bt file. For data without a header, as the data of
+Return the map of the contents of a .ot or .bt file: bytes, bytearray or memoryview. For data without a header, as the data of
 octomap_msgs/Octomap, resolution is the voxel size, m.
 
 >>> mf.Map.from_bytes(open('a.ot', 'rb').read()).resolution

@@ -7,6 +7,7 @@
 #include <mrpt/fusion/fusion.h>
 #include <mrpt/fusion/voxels.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <sstream>
@@ -101,12 +102,31 @@ py::array_t<double> boundsOf(const Map& map) {
   return arrayOf(bounds);
 }
 
+/** Returns the sources of a map with the hashes of their voxels. The hash of a map that is a source
+ * of its own is computed. Edges alone do not know it. */
+mrpt::fusion::Sources hashedSourcesOf(const Map& map) {
+  const mrpt::fusion::Sources sources = map.sources();
+  const bool are_hashed = std::all_of(sources.begin(), sources.end(),
+                                      [](const auto& s) { return s.content_hash != 0; });
+  if (are_hashed || map.isEdgesAlone()) return sources;
+  CProbOctoMap copy(map.whole());
+  copy.setSources(sources);
+  return copy.sources();
+}
+
 py::list sourcesOf(const Map& map) {
+  mrpt::fusion::Sources hashed;
+  {
+    const py::gil_scoped_release release;
+    hashed = hashedSourcesOf(map);
+  }
   py::list sources;
-  for (const auto& s : map.sources())
-    sources.append(py::dict(py::arg("robot") = s.robot, py::arg("map") = s.map,
-                            py::arg("sequence") = s.sequence,
-                            py::arg("content_hash") = s.content_hash));
+  for (const auto& s : hashed) {
+    py::dict source(py::arg("robot") = s.robot, py::arg("map") = s.map,
+                    py::arg("sequence") = s.sequence);
+    if (s.content_hash != 0) source["content_hash"] = s.content_hash;
+    sources.append(source);
+  }
   return sources;
 }
 
@@ -138,7 +158,9 @@ MapBuilder make maps.
           "Name of the file without extension, or of the robot; or ''.")
       .def_property_readonly("sources", &sourcesOf,
                              "Sources of the map: a list of dicts. No observation of a source "
-                             "counts twice in a fused map.")
+                             "counts twice in a fused map. content_hash is the hash of the voxels "
+                             "of the source; sources of edges have none. Cost for a map that is "
+                             "not fused: a copy.")
       .def("__repr__", &textOf);
 }
 

@@ -15,6 +15,10 @@ def test_keeps_all_bits_in_bytes_files_and_pickles():
     original = Path("a.ot").read_bytes()
     assert a.to_bytes() == original
     assert mf.Map.from_bytes(original).to_bytes() == original
+    for data in (bytearray(original), memoryview(original), np.frombuffer(original, np.uint8)):
+        assert mf.Map.from_bytes(data).to_bytes() == original
+    with pytest.raises(TypeError):
+        mf.Map.from_bytes("a.ot")
     again = pickle.loads(pickle.dumps(a))
     assert again.to_bytes() == original and again.sources == a.sources
     a.save("a.mrpt")
@@ -141,3 +145,56 @@ def test_builds_maps_from_recordings(map_fusion):
     assert mf.load(recording, config="map.ini").resolution == 0.4
     with pytest.raises(mf.Error, match=r"^a.ot: has no section \[MappingApplication\]"):
         mf.load(recording, config="a.ot")
+
+
+def write_cloud(path, points, viewpoint="0 0 0 1 0 0 0"):
+    """Writes a point cloud of PCL."""
+    Path(path).write_text("VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n"
+                          f"WIDTH {len(points)}\nHEIGHT 1\nVIEWPOINT {viewpoint}\n"
+                          f"POINTS {len(points)}\nDATA ascii\n" +
+                          "".join("{} {} {}\n".format(*p) for p in points))
+
+
+def test_loads_point_clouds_with_their_resolution_and_sensor():
+    write_cloud("c.pcd", [[2.1, 0.1, 0.1], [0.1, 2.1, 0.1]])
+    with pytest.warns(UserWarning, match="no free space"):
+        assert mf.load("c.pcd").resolution == 0.1
+    with pytest.warns(UserWarning, match="no free space"):
+        m = mf.load("c.pcd", resolution=0.2)
+    assert m.resolution == 0.2 and len(m.voxels("free").centres) == 0
+    assert np.allclose(m.probability_at([[2.1, 0.1, 0.1]]), 0.7) and len(m.voxels().centres) == 2
+    for origin in ([0.1, 0.1, 0.1], np.full(3, 0.1)):
+        m = mf.load("c.pcd", resolution=0.2, sensor_origin=origin)
+        assert m.probability_at([[1.1, 0.1, 0.1]]) < 0.5 < m.probability_at([[2.1, 0.1, 0.1]])
+
+
+@pytest.mark.parametrize("arguments, fault", [
+    ({"resolution": 0}, mf.Error), ({"resolution": "0.1 m"}, TypeError), ({"sensor_origin": [1, 2]}, ValueError),
+    ({"sensor_origin": [1, 2, np.nan]}, ValueError), ({"sensor_origin": [[1, 2, 3]]}, ValueError),
+    ({"sensor_origin": [1e6, 0, 0]}, mf.Error)])
+def test_refuses_senseless_settings_of_point_clouds(arguments, fault):
+    write_cloud("c.pcd", [[1, 0, 0]])
+    with pytest.raises(fault):
+        mf.load("c.pcd", **arguments)
+
+
+@pytest.mark.parametrize("extension", [".ply", ".pcd", ".png", ".pgm", ".jpg", ".PLY"])
+def test_writes_no_object_under_the_name_of_another_format(extension):
+    with pytest.raises(mf.Error) as error:
+        mf.load("a.ot").save("x" + extension)
+    assert str(error.value) == (f"x{extension}: a map cannot be written as {extension.lower()}: "
+                                "use .ot, .bt or .gridmap")
+    assert not Path("x" + extension).exists()
+    mf.load("a.ot").save("x.gridmap")
+    assert mf.load("x.gridmap").to_bytes() == Path("a.ot").read_bytes()
+
+
+def test_a_map_knows_the_hash_of_its_voxels(map_fusion):
+    assert map_fusion("fuse", "a.ot", "b.ot", "-o", "cli.mrpt") == 0
+    expected = {source["map"]: source["content_hash"] for source in mf.load("cli.mrpt").sources}
+    for name in "ab":
+        (source,) = mf.load(f"{name}.ot").sources
+        assert source == {"robot": "", "map": name, "sequence": 0, "content_hash": expected[name]}
+    assert expected["a"] != expected["b"] and 0 not in expected.values()
+    map_fusion("edges", "b.ot", "-o", "edges.mrpt")
+    assert all("content_hash" not in source for source in mf.load("edges.mrpt").sources)
