@@ -13,7 +13,8 @@ Lengths are in m. Angles are in deg where a name or a docstring says so. Poses a
 pose of map B in the frame of map A is the T with p_a = T @ p_b.
 """
 from ._core import (Cubes, Edges, Error, Fusion, Hypothesis, Map, MapBuilder, MapTeam, Match, Member,
-                    Pair, default_options, edges, evaluate, fuse, load, load_mission, match, merge)
+                    Pair, __version__, default_options, edges, evaluate, fuse, load, load_mission, match,
+                    merge)
 
 __all__ = ["Cubes", "Edges", "Error", "Fusion", "Hypothesis", "Map", "MapBuilder", "MapTeam", "Match",
            "Member", "Pair", "default_options", "edges", "evaluate", "fuse", "load", "load_mission",

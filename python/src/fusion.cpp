@@ -5,6 +5,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <set>
 #include <sstream>
@@ -44,19 +45,66 @@ void nameByFolders(std::vector<Robot>& robots) {
     if (!robots[i].map->origin().path.empty()) robots[i].name = names[i];
 }
 
+/** Returns the file of a map; empty if it has none. */
+std::string fileOf(const py::handle& map) {
+  if (py::isinstance<Map>(map)) return map.cast<std::shared_ptr<Map>>()->origin().path;
+  return pathOf(py::reinterpret_borrow<py::object>(map));
+}
+
+/** Returns whether two maps are the same object, or come from the same file. */
+bool areSame(const py::handle& a, const py::handle& b) {
+  if (a.is(b)) return true;
+  const std::string file_a = fileOf(a), file_b = fileOf(b);
+  if (file_a.empty() || file_b.empty()) return false;
+  std::error_code ignored;
+  return file_a == file_b || std::filesystem::equivalent(file_a, file_b, ignored);
+}
+
+/** Returns the maps of a list, each once. Warns of all others. */
+std::vector<py::object> distinct(const py::iterable& maps) {
+  std::vector<py::object> distinct;
+  size_t index = 0;
+  for (const py::handle map : maps) {
+    const bool is_known = std::any_of(distinct.begin(), distinct.end(),
+                                      [&](const py::object& other) { return areSame(map, other); });
+    if (!is_known) {
+      distinct.push_back(py::reinterpret_borrow<py::object>(map));
+    } else {
+      const std::string file = fileOf(map);
+      warn((file.empty() ? "maps[" + std::to_string(index) + "]" : file) +
+           ": is given twice, and counts once");
+    }
+    index++;
+  }
+  return distinct;
+}
+
+/** Returns the robots of a list of maps. A map and itself are two robots, as for map-fusion. */
+std::vector<Robot> robotsOfList(const py::iterable& maps) {
+  const auto given = py::list(maps);
+  std::vector<Robot> robots;
+  for (const py::object& map : distinct(given)) {
+    const MapPtr loaded = mapOf(map);
+    const std::string& name = loaded->origin().name;
+    robots.push_back({name.empty() ? "map" + std::to_string(robots.size()) : name, loaded});
+  }
+  nameByFolders(robots);
+  if (robots.size() == 1 && given.size() == 2)
+    robots.push_back({robots[0].name + "_again", robots[0].map});
+  return robots;
+}
+
 /** Returns the robots of a dict of maps by name, or of a list of maps. */
 std::vector<Robot> robotsOf(const py::object& maps) {
+  if (py::isinstance<py::str>(maps) || py::isinstance<py::bytes>(maps) ||
+      !py::isinstance<py::iterable>(maps))
+    throw py::type_error("maps is a list or a dict: fuse([a, b])");
   std::vector<Robot> robots;
   if (py::isinstance<py::dict>(maps)) {
     for (const auto& [name, map] : py::reinterpret_borrow<py::dict>(maps))
       robots.push_back({name.cast<std::string>(), mapOf(py::reinterpret_borrow<py::object>(map))});
   } else {
-    for (const py::handle map : maps) {
-      const MapPtr loaded = mapOf(py::reinterpret_borrow<py::object>(map));
-      const std::string& name = loaded->origin().name;
-      robots.push_back({name.empty() ? "map" + std::to_string(robots.size()) : name, loaded});
-    }
-    nameByFolders(robots);
+    robots = robotsOfList(maps);
   }
   std::set<std::string> names;
   for (const Robot& robot : robots)
@@ -100,8 +148,10 @@ Fusion fuseTeam(const std::vector<Robot>& robots,
 }
 
 Fusion fuse(const py::object& maps, const std::optional<DoubleArray>& guess,
-            const std::optional<Sigma>& sigma, const Poses& poses, const py::object& options) {
-  const Settings settings = settingsOf(options);
+            const std::optional<Sigma>& sigma, const Poses& poses, const py::object& options,
+            bool independent) {
+  Settings settings = settingsOf(options);
+  settings.options.merge.independent = independent;
   const mrpt::fusion::Prior prior = priorOf(guess, sigma);
   const std::vector<Robot> robots = robotsOf(maps);
   std::map<std::string, Eigen::Isometry3d> known;
@@ -134,13 +184,28 @@ py::dict posesOf(const Fusion& fusion) {
   return poses;
 }
 
+/** Adds the reasons of the maps of a team against their places, or those for their places. */
+void addReasons(const Fusion& fusion, bool against, std::vector<std::string>& reasons) {
+  for (const FusionMember& m : fusion.members) {
+    const auto& e = m.alignment.evaluation;
+    for (size_t i = 0; i < e.reasons.size(); i++)
+      if ((i < e.reasons_against) == against) reasons.push_back(m.robot + ": " + e.reasons[i]);
+  }
+}
+
 std::vector<std::string> reasonsOf(const Fusion& fusion) {
   if (fusion.match) return fusion.match->alignment.evaluation.reasons;
   std::vector<std::string> reasons;
-  for (const FusionMember& m : fusion.members)
-    for (const auto& reason : m.alignment.evaluation.reasons)
-      reasons.push_back(m.robot + ": " + reason);
+  addReasons(fusion, true, reasons);
+  addReasons(fusion, false, reasons);
   return reasons;
+}
+
+size_t reasonsAgainst(const Fusion& fusion) {
+  if (fusion.match) return fusion.match->alignment.evaluation.reasons_against;
+  std::vector<std::string> reasons;
+  addReasons(fusion, true, reasons);
+  return reasons.size();
 }
 
 std::string textOf(const Fusion& fusion) {
@@ -149,6 +214,24 @@ std::string textOf(const Fusion& fusion) {
       << (fusion.isAccepted() ? "accepted>"
           : fusion.map        ? "some maps are left out>"
                               : "rejected>");
+  return out.str();
+}
+
+std::string textOf(const FusionMember& member) {
+  std::ostringstream out;
+  out << "<mrpt_fusion.Member '" << member.robot << "', "
+      << (member.joined ? "joined" : "not joined");
+  if (member.hasMatch())
+    out << ", matched with '" << member.matched_with << "', probability "
+        << member.alignment.evaluation.probability;
+  out << ">";
+  return out.str();
+}
+
+std::string textOf(const TeamPair& pair) {
+  std::ostringstream out;
+  out << "<mrpt_fusion.Pair '" << pair.a << "', '" << pair.b << "', "
+      << (pair.holds ? "holds" : "does not hold") << ", probability " << pair.probability << ">";
   return out.str();
 }
 
@@ -174,7 +257,8 @@ void bindMember(py::module_& m) {
                     "Robots whose maps fit this map, if they hold together without the first map.")
       .def_property_readonly(
           "counting", [](const FusionMember& self) { return nameOf(self.counting); },
-          "How the map counts in the fused map: 'all', 'unknown_space', 'none' or 'copy'.");
+          "How the map counts in the fused map: 'all', 'unknown_space', 'none' or 'copy'.")
+      .def("__repr__", py::overload_cast<const FusionMember&>(&textOf));
   addVerdict(
       member, [](const FusionMember& self) -> const auto& { return self.alignment.evaluation; });
   py::class_<TeamPair>(m, "Pair", "The match of two maps of a team.")
@@ -185,7 +269,8 @@ void bindMember(py::module_& m) {
       .def_readonly("probability", &TeamPair::probability, "See Match.probability.")
       .def_readonly("overlap", &TeamPair::overlap, "See Match.overlap.")
       .def_readonly("holds", &TeamPair::holds,
-                    "True if both maps lie at the pose of the match in the fused map.");
+                    "True if both maps lie at the pose of the match in the fused map.")
+      .def("__repr__", py::overload_cast<const TeamPair&>(&textOf));
 }
 
 /** Adds a property of the match of two maps; None for a team. */
@@ -216,14 +301,17 @@ void bindFusion(py::module_& m) {
       .def_property_readonly("poses", &posesOf,
                              "4x4 poses of all placed maps in the frame of the fused map: a dict.")
       .def_property_readonly("reasons", &reasonsOf,
-                             "Reasons of the verdict: a list of sentences. In a team they begin "
-                             "with the name of the robot.")
+                             "Reasons of the verdict: a list of sentences, first all reasons "
+                             "against the poses. In a team they begin with the name of the robot.")
+      .def_property_readonly("reasons_against", &reasonsAgainst,
+                             "Number of the first reasons that speak against the poses or name "
+                             "lacking evidence.")
       .def_readonly("match", &Fusion::match, "Match of two maps. None for a team.")
       .def_readonly("members", &Fusion::members,
                     "Results of all maps of a team: a list of Member. Empty for two maps.")
       .def_readonly("pairs", &Fusion::pairs,
                     "Matches of all pairs of a team: a list of Pair. Empty for two maps.")
-      .def("__repr__", &textOf);
+      .def("__repr__", py::overload_cast<const Fusion&>(&textOf));
   addOfPair(
       fusion, "pose", [](const Alignment& a) { return arrayOf(a.match.T_a_b); },
       "4x4 pose of the second of two maps in the frame of the first, m. None for a team: see "
@@ -236,17 +324,19 @@ void bindFusion(py::module_& m) {
       [](const Alignment& a) { return py::float_(a.evaluation.probability); },
       "Probability that pose is right. None for a team: see members.");
 
-  m.def("fuse", &fuse, py::arg("maps"), py::arg("guess") = py::none(),
-        py::arg("guess_sigma") = py::none(), py::arg("poses") = py::dict(),
-        py::arg("options") = py::dict(),
-        R"(fuse(maps, guess=None, guess_sigma=None, poses={}, options={}) -> Fusion
+  m.def(
+      "fuse", &fuse, py::arg("maps"), py::arg("guess") = py::none(),
+      py::arg("guess_sigma") = py::none(), py::arg("poses") = py::dict(),
+      py::arg("options") = py::dict(), py::kw_only(), py::arg("independent") = false,
+      R"(fuse(maps, guess=None, guess_sigma=None, poses={}, options={}, *, independent=False) -> Fusion
 
 Fuse two or more maps, as far as their matches can be trusted.
 
 maps: a list of Maps or paths, or a dict of them by name. The first map keeps its frame. guess,
 guess_sigma: the guess of the pose of the second of two maps, see match(). poses: for more maps,
 guesses of their 4x4 poses in a common frame: a dict by the name of the map. options: see
-default_options().
+default_options(). independent: if True, all observations of all maps count; otherwise no observation
+counts twice. A map that is twice in a list counts once, with a warning.
 
 >>> r = mf.fuse(['a.ot', 'b.ot'])
 >>> r

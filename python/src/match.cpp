@@ -2,6 +2,7 @@
 /** \file
  * Matches two maps, and judges a pose. */
 
+#include <mrpt/core/format.h>
 #include <pybind11/stl.h>
 
 #include <sstream>
@@ -54,6 +55,13 @@ std::string textOf(const Match& match) {
   return out.str();
 }
 
+std::string textOf(const mrpt::fusion::RankedPose& hypothesis) {
+  const auto p = mrpt::fusion::toPose(hypothesis.T_a_b);
+  return mrpt::format(
+      "<mrpt_fusion.Hypothesis, agreement %g, at (%.2f, %.2f, %.2f) m, yaw %.1f deg>",
+      hypothesis.agreement, p.x(), p.y(), p.z(), mrpt::RAD2DEG(p.yaw()));
+}
+
 }  // namespace
 
 void bindMatch(py::module_& m) {
@@ -65,7 +73,8 @@ void bindMatch(py::module_& m) {
       .def_readonly("agreement", &RankedPose::agreement, "Agreement of the maps at the pose.")
       .def_property_readonly(
           "covariance", [](const RankedPose& p) { return arrayOf(p.covariance); },
-          "6x6 covariance, see Match.covariance.");
+          "6x6 covariance, see Match.covariance.")
+      .def("__repr__", py::overload_cast<const RankedPose&>(&textOf));
 
   py::class_<Match> match(m, "Match", R"(The pose of map B in the frame of map A, and its verdict.
 
@@ -86,7 +95,7 @@ p_a = pose @ p_b. match() and evaluate() return it.
       .def_property_readonly(
           "by_edges", [](const Match& self) { return self.alignment.by_edges; },
           "True if only edges were compared. Such a match is never accepted.")
-      .def("__repr__", &textOf);
+      .def("__repr__", py::overload_cast<const Match&>(&textOf));
   addVerdict(
       match, [](const Match& self) -> const auto& { return self.alignment.evaluation; });
 

@@ -22,19 +22,19 @@ Merged mergePair(const Map& a, const Map& b, const Eigen::Isometry3d& T_a_b,
 
 namespace {
 
-void warn(const std::string& map, Counting counting) {
+void warnOf(const std::string& map, Counting counting) {
   if (counting == Counting::All) return;
-  const std::string text = "map " + map +
-                           (counting == Counting::UnknownSpace
-                                ? " has sources of the other map: it adds only unknown space"
-                                : " has no source that the other map has not: it adds nothing") +
-                           " (option independent)";
-  if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) < 0) throw py::error_already_set();
+  warn("map " + map +
+       (counting == Counting::UnknownSpace
+            ? " has sources of the other map: it adds only unknown space"
+            : " has no source that the other map has not: it adds nothing") +
+       " (independent=True counts all)");
 }
 
 py::object merge(const py::object& a, const py::object& b, const DoubleArray& pose,
-                 const py::object& options) {
-  const Settings settings = settingsOf(options);
+                 const py::object& options, bool independent) {
+  Settings settings = settingsOf(options);
+  settings.options.merge.independent = independent;
   const Eigen::Isometry3d T_a_b = poseOf(pose);
   const MapPtr map_a = mapOf(a), map_b = mapOf(b);
   Merged merged;
@@ -42,8 +42,8 @@ py::object merge(const py::object& a, const py::object& b, const DoubleArray& po
     const py::gil_scoped_release release;
     merged = mergePair(*map_a, *map_b, T_a_b, settings, true);
   }
-  warn("A", merged.counting.first);
-  warn("B", merged.counting.second);
+  warnOf("A", merged.counting.first);
+  warnOf("B", merged.counting.second);
   return toPython(merged.map);
 }
 
@@ -51,11 +51,11 @@ py::object merge(const py::object& a, const py::object& b, const DoubleArray& po
 
 void bindMerge(py::module_& m) {
   m.def("merge", &merge, py::arg("a"), py::arg("b"), py::arg("pose"),
-        py::arg("options") = py::dict(),
-        R"(merge(a, b, pose, options={}) -> Map
+        py::arg("options") = py::dict(), py::kw_only(), py::arg("independent") = false,
+        R"(merge(a, b, pose, options={}, *, independent=False) -> Map
 
 Merge two maps at a given 4x4 pose of map B in A's frame, without a verdict. The result is in A's
-frame. The option merge_policy is the rule for voxels that both maps know.
+frame. The option merge_policy is the rule for voxels that both maps know. independent: see fuse().
 
 >>> m = mf.match('a.ot', 'b.ot')
 >>> mf.merge('a.ot', 'b.ot', m.pose).to_bytes() == mf.fuse(['a.ot', 'b.ot']).map.to_bytes()

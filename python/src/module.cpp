@@ -9,6 +9,7 @@ PYBIND11_MODULE(_core, m) {
   // The docstrings begin with the signatures of __init__.pyi: those of C++ say less.
   pybind11::options docstrings;
   docstrings.disable_function_signatures();
+  m.attr("__version__") = MRPT_FUSION_VERSION;
   bindError(m);
   bindSettings(m);
   bindMap(m);

@@ -31,7 +31,10 @@ void addVerdict(Class& type, VerdictOf verdict_of) {
       "Probability that the pose is right: within 0.6 m and 6 deg.");
   add(
       "reasons", [](const Evaluation& e) { return e.reasons; },
-      "Reasons of the verdict: a list of sentences.");
+      "Reasons of the verdict: a list of sentences, first all reasons against the pose.");
+  add(
+      "reasons_against", [](const Evaluation& e) { return e.reasons_against; },
+      "Number of the first reasons that speak against the pose or name lacking evidence.");
   add(
       "overlap", [](const Evaluation& e) { return e.overlap; },
       "Share of map B that map A confirms, in [0,1].");

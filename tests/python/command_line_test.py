@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The module gives the bits of the command line."""
 import json
+import os
+import subprocess
 from pathlib import Path
 
 import mrpt_fusion as mf
 import numpy as np
+import pytest
 
 
 def without_times(report):
@@ -76,6 +79,35 @@ def test_fuses_a_team(map_fusion, part_of):
     assert team.map.to_bytes() == Path("cli.ot").read_bytes()
     assert without_times(team.figures()) == without_times(json.loads(Path("cli.json").read_text()))
     assert [m.joined for m in team.members] == [True, True, True] and len(team.pairs) == 3
+
+
+def test_a_map_and_itself_are_the_map(map_fusion):
+    code = map_fusion("fuse", "a.ot", "a.ot", "-o", "cli.ot", "--json", "cli.json")
+    for maps in (["a.ot", "a.ot"], [mf.load("a.ot"), "a.ot"]):
+        with pytest.warns(UserWarning, match="^a.ot: is given twice, and counts once$"):
+            result = mf.fuse(maps)
+        assert result.accepted == (code == 0)
+        assert result.map.to_bytes() == Path("cli.ot").read_bytes() == Path("a.ot").read_bytes()
+        cli = json.loads(Path("cli.json").read_text())
+        assert "same voxels" in cli.pop("notes")[0]
+        assert without_times(result.figures()) == without_times(cli)
+
+
+def test_independent_maps_all_count(map_fusion):
+    Path("copy.ot").write_bytes(Path("a.ot").read_bytes())
+    for maps in (["a.ot", "copy.ot"], ["a.ot", "copy.ot", "b.ot"]):
+        assert map_fusion("fuse", *maps, "--independent", "-o", "cli.ot") == 0
+        fused = mf.fuse(maps, independent=True).map.to_bytes()
+        assert fused == Path("cli.ot").read_bytes() != mf.fuse(maps).map.to_bytes()
+    assert map_fusion("merge", "a.ot", "copy.ot", "--pose", "[0 0 0 0 0 0]", "--independent", "-o",
+                      "cli.ot") == 0
+    merged = mf.merge("a.ot", "copy.ot", np.eye(4), independent=True)
+    assert merged.to_bytes() == Path("cli.ot").read_bytes() != Path("a.ot").read_bytes()
+
+
+def test_has_the_version_of_the_command_line():
+    run = subprocess.run([os.environ["MAP_FUSION"], "--version"], check=True, capture_output=True, text=True)
+    assert run.stdout == f"map-fusion {mf.__version__}\n"
 
 
 def test_loads_missions(map_fusion):

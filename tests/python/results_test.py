@@ -150,14 +150,89 @@ def test_refuses_unknown_and_senseless_options(options, fault):
     (lambda: mf.match("a.ot", "b.ot", np.eye(4), (-1, 1)), mf.Error),
     (lambda: mf.match("a.ot", mf.MapBuilder().map()), mf.Error),
     (lambda: mf.fuse(["a.ot"]), ValueError),
-    (lambda: mf.fuse(["a.ot", "a.ot"]), ValueError),
-    (lambda: mf.fuse("ab"), mf.Error),
+    (lambda: mf.fuse({"a": "a.ot"}), ValueError),
     (lambda: mf.fuse([]), ValueError),
     (lambda: mf.load("a\0.ot"), (mf.Error, ValueError)),
     (lambda: mf.load_mission("a.ot"), mf.Error)])
 def test_refuses_wrong_calls(call, fault):
     with pytest.raises(fault):
         call()
+
+
+@pytest.mark.parametrize("again", ["a.ot", "./a.ot", b"a.ot", "link.ot"])
+def test_a_file_that_is_given_twice_counts_once(again):
+    Path("link.ot").symlink_to("a.ot")
+    name = again.decode() if isinstance(again, bytes) else again
+    with pytest.warns(UserWarning, match=f"^{name}: is given twice, and counts once$"):
+        result = mf.fuse(["a.ot", "b.ot", again])
+    once = mf.fuse(["a.ot", "b.ot"])
+    assert result.map.to_bytes() == once.map.to_bytes() and list(result.poses) == ["a", "b"]
+
+
+def test_an_object_that_is_given_twice_counts_once():
+    a, b = (mf.Map.from_bytes(Path(f"{name}.ot").read_bytes()) for name in "ab")
+    with pytest.warns(UserWarning, match=r"^maps\[2\]: is given twice, and counts once$"):
+        result = mf.fuse([a, b, a])
+    assert result.map.to_bytes() == mf.fuse([a, b]).map.to_bytes()
+    with pytest.warns(UserWarning, match="^a.ot: is given twice, and counts once$"):
+        mf.fuse([mf.load("a.ot"), b, "a.ot"])
+    with pytest.warns(UserWarning), pytest.raises(ValueError, match="at least two maps"):
+        mf.fuse([a, a, a])
+
+
+def test_reasons_have_a_sign(part_of):
+    good, bad = mf.match("a.ot", "b.ot"), mf.evaluate("a.ot", "b.ot", np.eye(4))
+    for match in (good, bad):
+        verdict = match.figures()["match"]
+        assert match.reasons_against == verdict["reasons_against"]
+        assert match.reasons == verdict["reasons"]
+    assert good.reasons_against == 0 and 0 < bad.reasons_against <= len(bad.reasons)
+    a = mf.load("a.ot")
+    low, high = a.bounds
+    c = part_of(a, low, [high[0] - 4, high[1], high[2]])
+    lone = mf.Map.from_voxels([[x, y, 0] for x in range(9) for y in range(9)], np.ones(81), resolution=0.1)
+    team = mf.fuse({"a": a, "lone": lone, "c": c})
+    against = [f"{m.robot}: {reason}" for m in team.members for reason in m.reasons[:m.reasons_against]]
+    assert any(reason.startswith("lone: ") for reason in against)
+    assert team.reasons[:team.reasons_against] == against
+    assert sorted(team.reasons) == sorted(f"{m.robot}: {r}" for m in team.members for r in m.reasons)
+    assert mf.fuse(["a.ot", "b.ot"]).reasons_against == 0
+
+
+def test_misspelt_options_name_the_nearest():
+    with pytest.raises(mf.Error, match="'serch_yaw_deg'; the nearest is 'search_yaw_deg'$"):
+        mf.match("a.ot", "b.ot", options={"serch_yaw_deg": 5})
+    with pytest.raises(mf.Error, match=r"^\[VerdictModel\] .* 'log_overlp'; the nearest is 'log_overlap'$"):
+        mf.MapTeam({"VerdictModel": {"log_overlp": 1}})
+    with pytest.raises(mf.Error, match="'qqqqqq'$"):
+        mf.match("a.ot", "b.ot", options={"qqqqqq": 5})
+    Path("o.ini").write_text("[ProbabilisticMapMatching]\nkapa = 1\n")
+    with pytest.raises(mf.Error, match="^o.ini: .* 'kapa'; the nearest is 'kappa'$"):
+        mf.match("a.ot", "b.ot", options="o.ini")
+    assert mf.match("a.ot", "b.ot", options={"KAPPA": 0.5}).accepted
+
+
+@pytest.mark.parametrize("maps", ["a.ot", b"a.ot", Path("a.ot"), 1, None])
+def test_names_what_fuse_takes(maps):
+    with pytest.raises(TypeError, match=r"^maps is a list or a dict: fuse\(\[a, b\]\)$"):
+        mf.fuse(maps)
+
+
+def test_results_of_a_team_show_what_they_are(part_of):
+    a = mf.load("a.ot")
+    c = part_of(a, *(a.bounds + [[0, 0, 0], [-4, 0, 0]]))
+    team = mf.fuse({"a": a, "b": mf.load("b.ot"), "c": c})
+    first, second, _ = team.members
+    assert repr(first) == "<mrpt_fusion.Member 'a', joined>"
+    assert repr(second).startswith("<mrpt_fusion.Member 'b', joined, matched with 'a', probability 0.")
+    assert re.fullmatch(r"<mrpt_fusion.Pair 'a', 'b', holds, probability [0-9.]+>", repr(team.pairs[0]))
+    best = mf.match(a, "b.ot").hypotheses[0]
+    shown = re.fullmatch(r"<mrpt_fusion.Hypothesis, agreement (\S+), at \((.*)\) m, yaw (\S+) deg>",
+                         repr(best))
+    assert np.isclose(float(shown[1]), best.agreement, rtol=1e-4)
+    assert np.allclose([float(x) for x in shown[2].split(",")], best.pose[:3, 3], atol=0.006)
+    yaw = np.degrees(np.arctan2(best.pose[1, 0], best.pose[0, 0]))
+    assert np.isclose(float(shown[3]), yaw, atol=0.06)
 
 
 def test_other_threads_run_while_maps_are_matched():

@@ -22,6 +22,9 @@ if fusion.map:
     centres = fusion.map.voxels("all").centres[:, 0]
 team = mf.MapTeam()
 team.set("r1", mf.Map.from_scans([(np.zeros((3, 3)), None)], 0.1))
+cloud = mf.load("cloud.pcd", resolution=0.2, sensor_origin=(0, 0, 1))
+both = mf.fuse([cloud, mf.Map.from_bytes(bytearray(b""))], independent=True)
+told = both.reasons[:both.reasons_against] + m.reasons[m.reasons_against:] + [mf.__version__]
 names = [member.robot.upper() for member in team.state().members]
 """
 
@@ -50,6 +53,7 @@ def test_signatures_of_docstrings_are_those_of_the_stubs():
         said = getattr(mf, node.name).__doc__.splitlines()[0].split(" -> ")[0]
         documented = ast.parse(f"def {said}: ...").body[0].args
         assert [a.arg for a in documented.args] == [a.arg for a in node.args.args], node.name
+        assert [a.arg for a in documented.kwonlyargs] == [a.arg for a in node.args.kwonlyargs], node.name
         assert len(documented.defaults) == len(node.args.defaults), node.name
 
 
