@@ -24,7 +24,7 @@ from pathlib import Path
 PROJECT = Path(__file__).resolve().parent.parent
 NETWORK = PROJECT / "tests/link/network.sh"
 STANDING = 20  # s
-MEETS = re.compile(r"(r\d) meets this robot at \[([^\]]*)\] \((\d+) %, by (\d+) bytes\)")
+MEETS = re.compile(r"(r\d) (?:may meet|meets) this robot at \[([^\]]*)\] \((\d+) %, by (\d+) bytes\)")
 BOTH = re.compile(r"fused r1(?: \((?P<r1>\d+) bytes of it\))? r2(?: \((?P<r2>\d+) bytes of it\))?")
 
 

@@ -99,8 +99,10 @@ void RunContext::wrote(const std::string& path) {
 void RunContext::endStep(const std::string& name) {
   auto& seconds = report.seconds;
   const double elapsed = clock_.Tac();
-  if (!seconds.empty() && seconds.back().first == name)
-    seconds.back().second += elapsed;
+  const auto known = std::find_if(seconds.begin(), seconds.end(),
+                                  [&](const auto& step) { return step.first == name; });
+  if (known != seconds.end())
+    known->second += elapsed;
   else
     seconds.emplace_back(name, elapsed);
   startStep();

@@ -26,13 +26,6 @@ __attribute__((format(printf, 2, 3))) void line(std::ostream& out, const char* f
   out << printable(text) << "\n";  // names of robots and files are from outside
 }
 
-std::string poseText(const mrpt::poses::CPose3D& p) {
-  char text[160];
-  std::snprintf(text, sizeof(text), "[%.4f %.4f %.4f %.3f %.3f %.3f]", p.x(), p.y(), p.z(),
-                mrpt::RAD2DEG(p.yaw()), mrpt::RAD2DEG(p.pitch()), mrpt::RAD2DEG(p.roll()));
-  return text;
-}
-
 constexpr size_t kWidestName = 40;  // longer names move the columns behind them
 
 void printMaps(const Report& r, std::ostream& out) {
@@ -103,6 +96,13 @@ void printMatch(const Alignment& info, std::ostream& out) {
 }
 
 }  // namespace
+
+std::string poseText(const mrpt::poses::CPose3D& p) {
+  char text[160];
+  std::snprintf(text, sizeof(text), "[%.4f %.4f %.4f %.3f %.3f %.3f]", p.x(), p.y(), p.z(),
+                mrpt::RAD2DEG(p.yaw()), mrpt::RAD2DEG(p.pitch()), mrpt::RAD2DEG(p.roll()));
+  return text;
+}
 
 void print(const Report& r, std::ostream& out) {
   if (!r.maps.empty()) printMaps(r, out);

@@ -20,6 +20,7 @@
 #include "fusion_link/dds_link.h"
 #include "fusion_link/team_exchange.h"
 #include "fusion_link/team_view.h"
+#include "fusion_report/text.h"
 #include "live_map.h"
 #include "map_pair.h"
 #include "module.h"
@@ -211,9 +212,10 @@ class Member {
                                       : std::to_string(blocks - map.missing().size()) + "/" +
                                             std::to_string(blocks) + " blocks");
   }
-  static std::string textOf(const mrpt::fusion::Meeting& m) {
-    const auto pose = mrpt::fusion::toPose(m.T_own_other);
-    return m.robot + " meets this robot at " + pose.asString() + " (" +
+  std::string textOf(const mrpt::fusion::Meeting& m) const {
+    const bool is_sure = m.probability >= run_.options.evaluation.min_probability;
+    return m.robot + (is_sure ? " meets" : " may meet") + " this robot at " +
+           mrpt::fusion::poseText(mrpt::fusion::toPose(m.T_own_other)) + " (" +
            std::to_string(static_cast<int>(100 * m.probability)) + " %, by " +
            std::to_string(m.bytes) + " bytes)";
   }
