@@ -139,10 +139,9 @@ std::vector<Robot> loadFileOfRobots(RunContext& run, const std::string& role,
 std::vector<std::string> distinctFiles(const std::vector<std::string>& paths,
                                        std::vector<std::string>* repeated) {
   std::vector<std::string> distinct;
-  std::error_code ignored;
   for (const std::string& path : paths) {
     const bool is_known = std::any_of(distinct.begin(), distinct.end(), [&](const auto& other) {
-      return path == other || fs::equivalent(path, other, ignored);
+      return mrpt::fusion::isSameFile(path, other);
     });
     if (!is_known)
       distinct.push_back(path);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <system_error>
 
 namespace fs = std::filesystem;
 
@@ -32,6 +33,11 @@ std::vector<std::string> namesOf(const std::vector<std::string>& paths) {
       folders[i] = folders[i].parent_path();
     }
   return names;
+}
+
+bool isSameFile(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  return a == b || fs::equivalent(a, b, ignored);
 }
 
 }  // namespace mrpt::fusion

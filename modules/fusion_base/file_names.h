@@ -13,4 +13,7 @@ namespace mrpt::fusion {
  * name, the names of their folders are added to all names. */
 std::vector<std::string> namesOf(const std::vector<std::string>& paths);
 
+/** True if two paths are equal, or lead to the same file. */
+bool isSameFile(const std::string& a, const std::string& b);
+
 }  // namespace mrpt::fusion

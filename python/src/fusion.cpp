@@ -5,7 +5,6 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <map>
 #include <set>
 #include <sstream>
@@ -55,9 +54,7 @@ std::string fileOf(const py::handle& map) {
 bool areSame(const py::handle& a, const py::handle& b) {
   if (a.is(b)) return true;
   const std::string file_a = fileOf(a), file_b = fileOf(b);
-  if (file_a.empty() || file_b.empty()) return false;
-  std::error_code ignored;
-  return file_a == file_b || std::filesystem::equivalent(file_a, file_b, ignored);
+  return !file_a.empty() && !file_b.empty() && mrpt::fusion::isSameFile(file_a, file_b);
 }
 
 /** Returns the maps of a list, each once. Warns of all others. */

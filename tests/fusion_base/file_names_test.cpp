@@ -25,5 +25,12 @@ TEST(FileNames, EndAtTheTopFolder) {
   EXPECT_EQ(namesOf({"/map.ot", "/map.bt"}), (Names{"map", "map"}));
 }
 
+TEST(FileNames, OfOneFileMayDiffer) {
+  EXPECT_TRUE(isSameFile("/", "/."));
+  EXPECT_TRUE(isSameFile("/not there", "/not there"));
+  EXPECT_FALSE(isSameFile("/not there", "/nor there"));
+  EXPECT_FALSE(isSameFile("/", "/not there"));
+}
+
 }  // namespace
 }  // namespace mrpt::fusion::test
