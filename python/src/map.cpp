@@ -86,7 +86,7 @@ py::object toPython(const MapPtr& map) {
 
 namespace {
 
-std::string textOf(const Map& map) {
+std::string representation(const Map& map) {
   std::ostringstream out;
   out << "<mrpt_fusion.Map";
   if (!map.origin().name.empty()) out << " '" << map.origin().name << "'";
@@ -161,7 +161,7 @@ MapBuilder make maps.
                              "counts twice in a fused map. content_hash is the hash of the voxels "
                              "of the source; sources of edges have none. Cost for a map that is "
                              "not fused: a copy.")
-      .def("__repr__", &textOf);
+      .def("__repr__", &representation);
 }
 
 }  // namespace mrpt_fusion_python

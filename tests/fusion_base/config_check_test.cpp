@@ -11,7 +11,7 @@
 
 #include "fusion_base/error_text.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::config_check_test {
 namespace {
 
 using mrpt::config::CConfigFileMemory;
@@ -108,4 +108,4 @@ TEST(ReadFlag, RefusesOtherWords) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::config_check_test

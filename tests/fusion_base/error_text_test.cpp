@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::error_text_test {
 namespace {
 
 std::string messageOfText(const std::string& text) { return messageOf(std::runtime_error(text)); }
@@ -91,4 +91,4 @@ TEST(WithPath, PutsThePathBeforeTheMessage) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::error_text_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::file_names_test {
 namespace {
 
 using Names = std::vector<std::string>;
@@ -33,4 +33,4 @@ TEST(FileNames, OfOneFileMayDiffer) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::file_names_test

@@ -14,7 +14,7 @@
 
 #include "fusion_base/error_text.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::parameter_test {
 namespace {
 
 using mrpt::config::CConfigFileMemory;
@@ -197,4 +197,4 @@ TEST(Parameters, MultiplyingLengthsKeepsAllOtherValues) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::parameter_test

@@ -10,7 +10,7 @@
 #include <set>
 #include <vector>
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::remembered_function_test {
 namespace {
 
 double cubed(float x) { return 1 + static_cast<double>(x) * x * x; }
@@ -72,4 +72,4 @@ TEST(RememberedFunction, RemembersMostOfAFewArguments) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::remembered_function_test

@@ -11,7 +11,7 @@
 
 using namespace map_tests;
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::map_blocks_test {
 namespace {
 
 /** A map of noise: \a side^3 voxels with a value of their own. */
@@ -141,4 +141,4 @@ TEST(MapBlocks, ABlockOfMillionsOfNodesIsRefused) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::map_blocks_test

@@ -13,7 +13,7 @@
 
 using namespace map_tests;
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::map_replica_test {
 namespace {
 
 const SourceName kSource{"r1", ""};
@@ -275,4 +275,4 @@ TEST(Outline, KeepsOccupiedAndFreeSpaceInFewBytes) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::map_replica_test

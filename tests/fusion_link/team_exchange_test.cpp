@@ -14,7 +14,7 @@
 
 using namespace map_tests;
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::team_exchange_test {
 namespace {
 
 using Map = std::shared_ptr<const octomap::OcTree>;
@@ -282,4 +282,4 @@ TEST(TeamExchange, HostileSamplesAreCountedAndMemoryIsBounded) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::team_exchange_test

@@ -13,7 +13,7 @@
 #include "support/apartment_pair.h"
 #include "support/tree_tools.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::team_view_test {
 namespace {
 
 using Map = std::shared_ptr<const octomap::OcTree>;
@@ -216,4 +216,4 @@ TEST(TeamView, AMapThatCannotBeUsedIsNotedAndLeftOut) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::team_view_test

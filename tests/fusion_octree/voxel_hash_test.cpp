@@ -5,7 +5,7 @@
 
 #include "support/tree_tools.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::voxel_hash_test {
 namespace {
 
 using map_tests::putLeaf;
@@ -48,4 +48,4 @@ TEST(VoxelHash, StaysTheSameInAllVersions) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::voxel_hash_test

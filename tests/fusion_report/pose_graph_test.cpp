@@ -10,7 +10,7 @@
 
 #include "fusion_core/registration/perturbations.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::pose_graph_test {
 namespace {
 
 Eigen::Isometry3d somePose() {
@@ -133,4 +133,4 @@ TEST(Poses, CovariancesOfAnglesConvertBack) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::pose_graph_test

@@ -8,7 +8,7 @@
 #include "fusion_octree/files.h"
 #include "support/test_maps.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::colours_test {
 namespace {
 
 using mrpt::maps::CColouredOctoMap;
@@ -82,4 +82,4 @@ TEST(Colours, OfTwoMapsSurviveTheirFusion) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::colours_test

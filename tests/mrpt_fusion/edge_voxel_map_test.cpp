@@ -16,7 +16,7 @@
 #include "fusion_core/map/map_voxels.h"
 #include "support/apartment_pair.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::edge_voxel_map_test {
 namespace {
 
 using mrpt::maps::CEdgeVoxelMap;
@@ -209,4 +209,4 @@ TEST(MatchingByEdges, EdgesAreNotMerged) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::edge_voxel_map_test

@@ -19,7 +19,7 @@
 #include "support/apartment_pair.h"
 #include "support/tree_tools.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::fusion_test {
 namespace {
 
 using mrpt::maps::CEdgeVoxelMap;
@@ -201,4 +201,4 @@ TEST_F(Fusing, OtherKindsOfMapsAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::fusion_test

@@ -7,7 +7,7 @@
 
 #include "support/test_maps.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::icp_test {
 namespace {
 
 TEST(MrptsIcp, AlignsPointsWithOurMap) {
@@ -34,4 +34,4 @@ TEST(MrptsIcp, AlignsPointsWithOurMap) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::icp_test

@@ -9,7 +9,7 @@
 #include "fusion_octree/resampling.h"
 #include "support/apartment_pair.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::map_fusion_test {
 namespace {
 
 using mrpt::fusion::FusionResult;
@@ -154,4 +154,4 @@ TEST(FusingMany, SaysWhoseMapIsNone) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::map_fusion_test

@@ -13,7 +13,7 @@
 #include "support/apartment_pair.h"
 #include "support/tree_tools.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::map_team_test {
 namespace {
 
 using mrpt::maps::CProbOctoMap;
@@ -139,4 +139,4 @@ TEST(SourcesOfFusedMaps, OfAMissionAreRobotsWithTheirSequences) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::map_team_test

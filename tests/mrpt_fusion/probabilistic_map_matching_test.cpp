@@ -19,7 +19,7 @@
 #include "fusion_octree/files.h"
 #include "support/apartment_pair.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::probabilistic_map_matching_test {
 namespace {
 
 using mrpt::config::CConfigFileMemory;
@@ -634,4 +634,4 @@ TEST_F(MapMatching, MergeIsThatOfTheCoreByItsPolicy) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::probabilistic_map_matching_test

@@ -17,10 +17,9 @@ using mrpt::poses::CPose3D;
 
 namespace {
 
-const std::vector<CPose3D> kRobotPoses = {CPose3D(), CPose3D(1.23, -2.34, 0.57, 0.7, 0, 0),
-                                          CPose3D(), CPose3D(-3.1, 0.4, -1.2, -2.1, 0.3, -0.25),
-                                          CPose3D(0.1, 0, 0, 0, 0, 0)};
-const CPose3D kSensorPose(0.37, -0.21, 1.13, 0.9, -0.35, 0.2);
+const std::vector<CPose3D> kRobotPath = {CPose3D(), CPose3D(1.23, -2.34, 0.57, 0.7, 0, 0),
+                                         CPose3D(), CPose3D(-3.1, 0.4, -1.2, -2.1, 0.3, -0.25),
+                                         CPose3D(0.1, 0, 0, 0, 0, 0)};
 
 CObservationVelodyneScan::Ptr velodyneOf(const std::vector<mrpt::math::TPoint3Df>& points) {
   auto obs = CObservationVelodyneScan::Create();
@@ -56,7 +55,7 @@ TEST(ProbOctoMapInsertion, GivesTheOctreeOfOctomapForAllKindsOfObservations) {
         one->insertionOptions.maxrange = max_range;
         one->insertionOptions.pruning = pruning;
       }
-      for (const auto& pose : kRobotPoses)
+      for (const auto& pose : kRobotPath)
         for (const auto& obs : observations()) {
           ASSERT_TRUE(map.insertObservation(*obs, pose));
           ASSERT_TRUE(expected.insertObservation(*obs, pose));
@@ -75,26 +74,26 @@ TEST(ProbOctoMapInsertion, TheTreeMayChangeInOtherWaysBetweenInsertions) {
     expected.insertObservation(*cloud, pose);
     return sameTree(treeOf(expected), treeOf(map));
   };
-  ASSERT_TRUE(insertIntoBoth(kRobotPoses[1]));
+  ASSERT_TRUE(insertIntoBoth(kRobotPath[1]));
   for (CProbOctoMap* one : {&map, &expected}) one->insertionOptions.pruning = false;
-  ASSERT_TRUE(insertIntoBoth(kRobotPoses[0]));
+  ASSERT_TRUE(insertIntoBoth(kRobotPath[0]));
   for (CProbOctoMap* one : {&map, &expected}) one->insertionOptions.pruning = true;
-  ASSERT_TRUE(insertIntoBoth(kRobotPoses[3]));
+  ASSERT_TRUE(insertIntoBoth(kRobotPath[3]));
   for (CProbOctoMap* one : {&map, &expected}) {
     for (int i = 0; i < 300; i++) one->updateVoxel(0.01 * i, 0.3, 0.013 * i, i % 3 == 0);
     one->insertPointCloud(*cloud->pointcloud);
   }
-  ASSERT_TRUE(insertIntoBoth(kRobotPoses[4]));
+  ASSERT_TRUE(insertIntoBoth(kRobotPath[4]));
   for (CProbOctoMap* one : {&map, &expected}) one->setOctree(awkwardTree(0.1));
   useOctomap(expected);
-  ASSERT_TRUE(insertIntoBoth(kRobotPoses[0]));
-  ASSERT_TRUE(insertIntoBoth(kRobotPoses[1]));
+  ASSERT_TRUE(insertIntoBoth(kRobotPath[0]));
+  ASSERT_TRUE(insertIntoBoth(kRobotPath[1]));
   const CProbOctoMap copy(map);
   map = copy;
-  ASSERT_TRUE(insertIntoBoth(kRobotPoses[2]));
+  ASSERT_TRUE(insertIntoBoth(kRobotPath[2]));
   map.clear();
   expected.clear();
-  ASSERT_TRUE(insertIntoBoth(kRobotPoses[2]));
+  ASSERT_TRUE(insertIntoBoth(kRobotPath[2]));
 }
 
 TEST(ProbOctoMapInsertion, ACallerWithTheTreeMayChangeAnyNodeAtAnyTime) {
@@ -102,10 +101,10 @@ TEST(ProbOctoMapInsertion, ACallerWithTheTreeMayChangeAnyNodeAtAnyTime) {
   octomap::OcTree& tree = map.octree();
   const auto cloud = cloudOf(domePoints(5, 3000));
   for (int i = 0; i < 3; i++) {
-    map.insertObservation(*cloud, kRobotPoses[0]);
+    map.insertObservation(*cloud, kRobotPath[0]);
     tree.getRoot()->setLogOdds(7);
     tree.updateNode(octomap::point3d(-7, -7, static_cast<float>(i)), true, true);
-    map.insertObservation(*cloud, kRobotPoses[0]);
+    map.insertObservation(*cloud, kRobotPath[0]);
     octomap::OcTree updated(tree);
     updated.updateInnerOccupancy();
     updated.prune();

@@ -23,8 +23,6 @@ namespace {
 const std::vector<CPose3D> kRobotPoses = {CPose3D(), CPose3D(1.23, -2.34, 0.57, 0.7, 0, 0),
                                           CPose3D(-3.1, 0.4, -1.2, -2.1, 0.3, -0.25)};
 
-const CPose3D kSensorPose(0.37, -0.21, 1.13, 0.9, -0.35, 0.2);
-
 /** Options for both kinds of map. */
 struct Options {
   std::string name, ini;

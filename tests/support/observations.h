@@ -17,6 +17,9 @@
 
 namespace map_tests {
 
+/** The pose of a sensor on its robot. */
+inline const mrpt::poses::CPose3D kSensorPose(0.37, -0.21, 1.13, 0.9, -0.35, 0.2);
+
 /** Returns points on an uneven dome around a sensor, at 1 to 4 m. */
 inline std::vector<mrpt::math::TPoint3Df> domePoints(unsigned seed, size_t count = 400) {
   std::mt19937 rng(seed);

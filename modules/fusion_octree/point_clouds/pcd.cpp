@@ -44,7 +44,7 @@ struct Field {
 };
 
 /** The header of a file. */
-struct Header {
+struct PcdHeader {
   std::vector<Field> fields;
   size_t points = 0;
   std::optional<octomap::point3d> viewpoint;
@@ -113,10 +113,10 @@ void parseFieldLine(const Words& words, std::vector<Field>& fields) {
   }
 }
 
-Header parseHeader(std::string_view bytes) {
+PcdHeader parseHeader(std::string_view bytes) {
   constexpr size_t kMostPoints = size_t{1} << 40U;  // so that products do not overflow
   constexpr size_t kMostSide = size_t{1} << 31U;
-  Header h;
+  PcdHeader h;
   size_t width = 0, height = 1;
   std::optional<size_t> points;
   TextReader in(bytes);
@@ -154,13 +154,13 @@ std::array<size_t, 3> axesOf(const std::vector<Field>& fields) {
 
 /** \exception std::runtime_error If the header announces more points than the data can hold.
  * \param[in] bytes Least number of bytes per point. */
-void checkPoints(const Header& h, size_t bytes, size_t available) {
+void checkPoints(const PcdHeader& h, size_t bytes, size_t available) {
   if (h.points > available / bytes)
     corrupt("the header announces " + std::to_string(h.points) +
             " points, and the data is too short for them");
 }
 
-void readText(const Header& h, PointCloud& cloud) {
+void readText(const PcdHeader& h, PointCloud& cloud) {
   const auto axes = axesOf(h.fields);
   checkPoints(h, 2 * h.numbersPerPoint() - 1, h.data.size());
   cloud.points.reserve(h.points);
@@ -188,7 +188,7 @@ void readColumns(const std::array<Column, 3>& columns, size_t points, PointCloud
 
 /** Reads points whose numbers are side by side. Bytes behind the points are ignored: PCL pads some
  * files. */
-void readBinary(const Header& h, PointCloud& cloud) {
+void readBinary(const PcdHeader& h, PointCloud& cloud) {
   const auto axes = axesOf(h.fields);
   const size_t stride = h.bytesPerPoint();
   checkPoints(h, stride, h.data.size());
@@ -202,7 +202,7 @@ void readBinary(const Header& h, PointCloud& cloud) {
 }
 
 /** Unpacks the data of a file. The numbers of each field are side by side then. */
-std::string unpacked(const Header& h) {
+std::string unpacked(const PcdHeader& h) {
   // LZF packs at most 264 bytes in 3.
   constexpr size_t kMostProportion = 88;
   ByteReader in(h.data);
@@ -219,7 +219,7 @@ std::string unpacked(const Header& h) {
   return data;
 }
 
-void readPacked(const Header& h, PointCloud& cloud) {
+void readPacked(const PcdHeader& h, PointCloud& cloud) {
   const auto axes = axesOf(h.fields);
   const std::string data = unpacked(h);
   std::array<Column, 3> columns;
@@ -247,7 +247,7 @@ bool isPcd(std::string_view beginning) {
 }
 
 PointCloud parsePcd(std::string_view bytes) {
-  const Header h = parseHeader(bytes);
+  const PcdHeader h = parseHeader(bytes);
   PointCloud cloud;
   cloud.viewpoint = h.viewpoint;
   if (h.storage == "ascii")

@@ -33,7 +33,7 @@ struct Element {
 };
 
 /** The header of a file. */
-struct Header {
+struct PlyHeader {
   std::string_view storage;  ///< "ascii", "binary_little_endian" or "binary_big_endian"
   std::vector<Element> elements;
   std::string_view data;  ///< The bytes after the header
@@ -61,8 +61,8 @@ Property propertyOf(const std::vector<std::string_view>& words) {
   corrupt("a line 'property' is wrong");
 }
 
-Header parseHeader(std::string_view bytes) {
-  Header h;
+PlyHeader parsePlyHeader(std::string_view bytes) {
+  PlyHeader h;
   TextReader in(bytes);
   in.takeLine();  // ply
   size_t properties = 0;
@@ -182,7 +182,7 @@ void readVertices(const Element& vertices, Rows& rows, PointCloud& cloud) {
 
 /** Reads the vertices. Elements behind the vertices are not read. */
 template <class Rows>
-PointCloud readCloud(const Header& h, Rows rows) {
+PointCloud readCloud(const PlyHeader& h, Rows rows) {
   PointCloud cloud;
   for (const Element& element : h.elements)
     if (element.name == "face" && element.rows > 0) cloud.has_faces = true;
@@ -204,7 +204,7 @@ bool isPly(std::string_view beginning) {
 }
 
 PointCloud parsePly(std::string_view bytes) {
-  const Header h = parseHeader(bytes);
+  const PlyHeader h = parsePlyHeader(bytes);
   if (h.storage == "ascii") return readCloud(h, TextRows(h.data));
   if (h.storage == "binary_little_endian") return readCloud(h, BinaryRows(h.data, false));
   if (h.storage == "binary_big_endian") return readCloud(h, BinaryRows(h.data, true));

@@ -15,7 +15,7 @@
 
 #include "support/test_maps.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::edge_octree_test {
 namespace {
 
 constexpr double kRadius = 0.5;
@@ -149,4 +149,4 @@ TEST(ToPly, OfNoEdgesIsAHeader) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::edge_octree_test

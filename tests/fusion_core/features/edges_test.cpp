@@ -15,7 +15,7 @@
 #include "fusion_octree/resampling.h"
 #include "support/test_maps.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::edges_test {
 namespace {
 
 constexpr double kResolution = 0.1;
@@ -455,4 +455,4 @@ TEST(Edges, AreTheSameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::edges_test

@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::least_axis_test {
 namespace {
 
 /** A symmetric matrix of these eigenvalues, turned at random. */
@@ -110,4 +110,4 @@ TEST(LeastAxis, OfNothingIsStillADirection) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::least_axis_test

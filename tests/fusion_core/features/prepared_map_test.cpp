@@ -19,7 +19,7 @@
 #include "support/apartment_pair.h"
 #include "support/tree_tools.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::prepared_map_test {
 namespace {
 
 const ApartmentPair& maps() {
@@ -216,4 +216,4 @@ TEST(PreparedMap, MayBeUsedBySeveralThreads) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::prepared_map_test

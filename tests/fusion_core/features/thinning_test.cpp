@@ -15,7 +15,7 @@
 #include "fusion_octree/resampling.h"
 #include "support/test_maps.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::thinning_test {
 namespace {
 
 /** Of a map whose walls lie across its grid. Made once, for the tests only read them. */
@@ -130,4 +130,4 @@ TEST(Select, GivesTheVoxelsAskedForInTheirOrder) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::thinning_test

@@ -9,7 +9,7 @@
 
 #include "fusion_core/map/eigen_solvers.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::uncertainty_test {
 namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
@@ -137,4 +137,4 @@ TEST(FuseCovariances, SingularEdgeStaysSingularAcrossAndIsFusedAlong) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::uncertainty_test

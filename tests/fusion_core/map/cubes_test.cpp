@@ -15,7 +15,7 @@
 #include "fusion_octree/walk.h"
 #include "support/test_maps.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::cubes_test {
 namespace {
 
 std::unique_ptr<octomap::OcTree> mapOfManySizes() {
@@ -153,4 +153,4 @@ TEST(OctreeOf, NamesTheFirstFault) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::cubes_test

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <random>
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::eigen_solvers_test {
 namespace {
 
 template <int N>
@@ -56,4 +56,4 @@ TEST(EigenSolvers, RotationBetweenTurnsOneDirectionToTheOther) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::eigen_solvers_test

@@ -12,7 +12,7 @@
 #include "fusion_octree/walk.h"
 #include "support/test_maps.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::free_space_test {
 namespace {
 
 using mrpt::fusion::OcTreeCube;
@@ -112,4 +112,4 @@ TEST(FreeSpace, OccupiedVoxelsAreTheSameWithoutIt) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::free_space_test

@@ -15,7 +15,7 @@
 #include <random>
 #include <vector>
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::kd_tree_test {
 namespace {
 
 using Tree = KdTree<4>;
@@ -146,4 +146,4 @@ TEST(ToDescriptors, KeepsTheCoordinates) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::kd_tree_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::map_scale_test {
 namespace {
 
 /** Voxels that fill a box evenly, in steps of 1/20 of its sides. */
@@ -57,4 +57,4 @@ TEST(MapScale, OfAnEmptyMapIsOneAndAFixedScaleHolds) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::map_scale_test

@@ -11,7 +11,7 @@
 #include "support/matching_tools.h"
 #include "support/test_maps.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::occupancy_query_test {
 namespace {
 
 /** What OctoMap knows of a voxel. */
@@ -78,4 +78,4 @@ TEST(OccupancyQuery, NothingIsKnownBeyondTheOctreesReach) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::occupancy_query_test

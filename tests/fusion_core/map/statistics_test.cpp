@@ -9,7 +9,7 @@
 
 #include "support/test_maps.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::statistics_test {
 namespace {
 
 TEST(BinaryEntropy, ByHand) {
@@ -58,4 +58,4 @@ TEST(MapStatistics, GoByTheMapsOwnOccupancyThreshold) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::statistics_test

@@ -9,7 +9,7 @@
 #include <set>
 #include <vector>
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::voxel_blocks_test {
 namespace {
 
 using Place = std::array<int, 3>;
@@ -221,4 +221,4 @@ TEST(OctreeOrder, IsThatOfTheLeaves) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::voxel_blocks_test

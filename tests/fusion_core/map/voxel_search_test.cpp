@@ -17,7 +17,7 @@
 #include "fusion_core/map/map_voxels.h"
 #include "support/test_maps.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::voxel_search_test {
 namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
@@ -195,4 +195,4 @@ TEST(VoxelSearch, FarOutsideOfTheGridFindsNoneAndPromisesNothing) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::voxel_search_test

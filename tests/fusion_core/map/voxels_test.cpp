@@ -12,7 +12,7 @@
 #include "fusion_octree/walk.h"
 #include "support/test_maps.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::voxels_test {
 namespace {
 
 using Key = std::array<uint16_t, 3>;
@@ -138,4 +138,4 @@ TEST(KnownSpace, IsTheBoxOfAllLeavesAsOctomapHasIt) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::voxels_test

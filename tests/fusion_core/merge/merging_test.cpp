@@ -13,7 +13,7 @@
 #include "support/test_maps.h"
 #include "support/tree_tools.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::merging_test {
 namespace {
 
 using mrpt::fusion::OcTreeAccess;
@@ -394,4 +394,4 @@ TEST(MergeMaps, HaveTheBitsOfTheirTwin) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::merging_test

@@ -17,7 +17,7 @@
 #include "fusion_core/verdict/evaluation.h"
 #include "support/prepared_apartment.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::alignment_test {
 namespace {
 
 class Aligning : public WithPreparedApartment {
@@ -327,4 +327,4 @@ TEST_F(Aligning, RefusesAGuessThatIsNoPose) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::alignment_test

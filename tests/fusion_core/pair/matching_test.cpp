@@ -23,7 +23,7 @@
 #include "support/apartment_pair.h"
 #include "support/matching_tools.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::matching_test {
 namespace {
 
 class Matching : public testing::Test {
@@ -553,4 +553,4 @@ TEST(MatchingOfRobotMaps, ComesBackToTheTruth) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::matching_test

@@ -17,7 +17,7 @@
 #include "fusion_core/search/parameters.h"
 #include "fusion_core/verdict/parameters.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::options_test {
 namespace {
 
 using mrpt::config::CConfigFileMemory;
@@ -147,4 +147,4 @@ TEST(Options, CommentsSayDegreesWhereKeysDo) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::options_test

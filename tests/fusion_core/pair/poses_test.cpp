@@ -11,7 +11,7 @@
 
 #include "support/test_maps.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::poses_test {
 namespace {
 
 using mrpt::poses::CPose3D;
@@ -198,4 +198,4 @@ TEST(Prior, RefusesAGuessOutOfRange) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::poses_test

@@ -9,7 +9,7 @@
 #include "fusion_core/pair/match.h"
 #include "support/prepared_apartment.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::wider_search_test {
 namespace {
 
 class SearchingWider : public WithPreparedApartment {
@@ -101,4 +101,4 @@ TEST_F(SearchingWider, TheSearchesGrow) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::wider_search_test

@@ -16,7 +16,7 @@
 #include "fusion_core/map/voxel_blocks.h"
 #include "support/test_maps.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::association_test {
 namespace {
 
 /** A perfect line's covariance. */
@@ -366,4 +366,4 @@ TEST_F(Association, IsSharedForTheGatesItIsPreparedFor) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::association_test

@@ -15,7 +15,7 @@
 #include "fusion_core/registration/solver.h"
 #include "support/test_maps.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::optimization_test {
 namespace {
 
 /** Random voxels and edge voxels of a scene and of the model that it is to be brought onto, paired
@@ -613,4 +613,4 @@ TEST(Poses, GoFromEigenToMrptAndBack) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::optimization_test

@@ -12,7 +12,7 @@
 #include "support/apartment_pair.h"
 #include "support/matching_tools.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::size_ratio_test {
 namespace {
 
 /** Map B of a pair, with all lengths multiplied by \a factor. */
@@ -78,4 +78,4 @@ TEST(SizeRatio, IsUnknownWithoutPairs) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::size_ratio_test

@@ -12,7 +12,7 @@
 #include <random>
 #include <vector>
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::floor_heights_test {
 namespace {
 
 using Layers = std::vector<double>;
@@ -112,4 +112,4 @@ TEST(AlignFloors, IsTheBestOfAllShifts) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::floor_heights_test

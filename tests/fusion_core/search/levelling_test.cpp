@@ -15,7 +15,7 @@
 #include "support/matching_tools.h"
 #include "support/test_maps.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::levelling_test {
 namespace {
 
 constexpr double kVoxel = 0.4;  // m
@@ -129,4 +129,4 @@ TEST_F(Levelling, LevelMapsAreSearchedOnce) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::levelling_test

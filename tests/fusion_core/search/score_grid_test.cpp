@@ -17,7 +17,7 @@
 #include "support/matching_tools.h"
 #include "support/test_maps.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::score_grid_test {
 namespace {
 
 using Values = std::map<Cell, uint16_t>;  // of cells that are not unknown
@@ -188,4 +188,4 @@ TEST(ScoreGrid, CellsOfPlacesAndOfVoxelsAreTheSame) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::score_grid_test

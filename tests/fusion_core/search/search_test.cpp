@@ -10,7 +10,7 @@
 #include "support/matching_tools.h"
 #include "support/test_maps.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::search_test {
 namespace {
 
 /** The apartment as model, and a part of it as scene, in the same frame: the truth is identity. */
@@ -136,4 +136,4 @@ TEST_F(Search, TwoFarApartPiecesOfAMapDoNotTakeTheMemoryOfAllBetween) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::search_test

@@ -12,7 +12,7 @@
 
 #include "support/test_maps.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::wall_directions_test {
 namespace {
 
 // ---------------------------------------------------------------- directions of one map
@@ -102,4 +102,4 @@ TEST(WallDirections, WithoutWallsAllArePlausible) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::wall_directions_test

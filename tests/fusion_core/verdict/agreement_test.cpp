@@ -15,7 +15,7 @@
 #include "support/matching_tools.h"
 #include "support/test_maps.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::agreement_test {
 namespace {
 
 const ApartmentPair& maps() {
@@ -147,4 +147,4 @@ TEST(ObstaclesOf, SeenFromBothSidesOrNoneHaveNoFront) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::agreement_test

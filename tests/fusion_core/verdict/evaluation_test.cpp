@@ -13,7 +13,7 @@
 #include "support/matching_tools.h"
 #include "support/test_maps.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::evaluation_test {
 namespace {
 
 // ---------------------------------------------------------------- eqs. (24), (25), thresholds
@@ -548,4 +548,4 @@ TEST(Deviation, ProbabilityOfStayingIsThatOfAGaussian) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::evaluation_test

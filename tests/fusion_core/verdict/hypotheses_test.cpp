@@ -15,7 +15,7 @@
 #include "support/apartment_pair.h"
 #include "support/matching_tools.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::hypotheses_test {
 namespace {
 
 // ---------------------------------------------------------------- distances and rough parameters
@@ -251,4 +251,4 @@ TEST_F(Hypotheses, ARivalTakesItsPlaceByAgreement) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::hypotheses_test

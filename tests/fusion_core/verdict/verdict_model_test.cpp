@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::verdict_model_test {
 namespace {
 
 /** A model that sees nothing. */
@@ -73,4 +73,4 @@ TEST(VerdictModel, StaysAProbabilityWhateverTheEvidence) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::verdict_model_test

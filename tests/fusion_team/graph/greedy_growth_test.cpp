@@ -18,7 +18,7 @@
 #include "fusion_octree/resampling.h"
 #include "support/apartment_pair.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::greedy_growth_test {
 namespace {
 
 constexpr double kVoxel = 0.2;
@@ -296,4 +296,4 @@ TEST_F(Growing, ErrorsNameTheRobot) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::greedy_growth_test

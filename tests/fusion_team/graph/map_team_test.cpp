@@ -15,7 +15,7 @@
 #include "support/apartment_pair.h"
 #include "support/tree_tools.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::map_team_test {
 namespace {
 
 constexpr double kVoxel = 0.25;
@@ -172,4 +172,4 @@ TEST(FuseMaps, CountsNoObservationTwice) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::map_team_test

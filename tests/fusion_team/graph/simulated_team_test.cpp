@@ -12,7 +12,7 @@
 #include "robot_simulator.h"
 #include "support/test_maps.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::simulated_team_test {
 namespace {
 
 using Eigen::AlignedBox3d;
@@ -116,4 +116,4 @@ TEST(SimulatedTeam, SureMatchesAreNotGivenUpForMapsBesideEachOther) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::simulated_team_test

@@ -10,7 +10,7 @@
 
 #include "fusion_team/graph/team_search.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::team_groups_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -85,4 +85,4 @@ TEST(TeamGroups, MapsThatNothingConnectsAreNoGroup) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::team_groups_test

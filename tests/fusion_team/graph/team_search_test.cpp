@@ -14,7 +14,7 @@
 #include "fusion_team/graph/joint_verdict.h"
 #include "fusion_team/graph/pose_graph.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::team_search_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -242,4 +242,4 @@ TEST(PoseGraph, AWrongConstraintLosesItsWeight) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::team_search_test

@@ -6,7 +6,7 @@
 #include "support/test_maps.h"
 #include "support/tree_tools.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::fused_blocks_test {
 namespace {
 
 using map_tests::putVoxel;
@@ -78,4 +78,4 @@ TEST(CombineOcTrees, CombinesHugeLeavesWithSmallVoxels) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::fused_blocks_test

@@ -12,7 +12,7 @@
 #include "support/test_maps.h"
 #include "support/tree_tools.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::identity_test {
 namespace {
 
 using map_tests::sameTree;
@@ -199,4 +199,4 @@ TEST(Ledger, AnyHistoryOfFusedMapsGivesTheMapFromScratch) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::identity_test

@@ -13,7 +13,7 @@
 #include "support/test_maps.h"
 #include "support/tree_tools.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::ledger_test {
 namespace {
 
 using map_tests::putVoxel;
@@ -377,4 +377,4 @@ TEST(Ledger, DoesNotDependOnTheNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::ledger_test

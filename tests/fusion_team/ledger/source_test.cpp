@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::source_test {
 namespace {
 
 TEST(SourceName, IsOrderedByRobotThenByMap) {
@@ -13,4 +13,4 @@ TEST(SourceName, IsOrderedByRobotThenByMap) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::source_test

@@ -14,7 +14,7 @@
 #include "fusion_team/pairs/signature.h"
 #include "support/test_maps.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::candidates_test {
 namespace {
 
 /** A room of 4 x 3 x 2.5 m with boxes that \a place draws. */
@@ -100,4 +100,4 @@ TEST(Signature, FitsTheTurnedMapBetterThanAnotherMap) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::candidates_test

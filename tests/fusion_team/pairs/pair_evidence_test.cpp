@@ -13,7 +13,7 @@
 
 #include "fusion_team/pairs/pair_matches.h"
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::pair_evidence_test {
 namespace {
 
 constexpr double kVoxel = 0.1;
@@ -91,4 +91,4 @@ TEST(ConflictTolerance, GrowsWithWhatMovedBetweenTheMapsOfAClearMatch) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::pair_evidence_test

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <mrpt/core/Clock.h>
+#include <mrpt/fusion/map_files.h>
 #include <mrpt/maps/CProbOctoMap.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 
@@ -57,6 +58,12 @@ inline mrpt::maps::CProbOctoMap mapOfClouds(const std::vector<double>& seconds) 
   mrpt::maps::CProbOctoMap map;
   for (const double s : seconds) map.insertObservation(*cloudAt(s), placeAt(s));
   return map;
+}
+
+inline bool isSameMap(const mrpt::maps::CProbOctoMap& expected,
+                      const mrpt::fusion::BuiltMap& built) {
+  const auto map = std::dynamic_pointer_cast<mrpt::maps::CProbOctoMap>(built.map);
+  return map && sameTree(expected.octree(), map->octree());
 }
 
 }  // namespace map_tests

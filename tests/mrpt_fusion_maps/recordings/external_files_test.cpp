@@ -100,11 +100,6 @@ class ExternalFiles : public testing::Test {
   }
 };
 
-bool isSameMap(const CProbOctoMap& expected, const BuiltMap& built) {
-  const auto map = std::dynamic_pointer_cast<CProbOctoMap>(built.map);
-  return map && sameTree(expected.octree(), map->octree());
-}
-
 }  // namespace
 
 TEST_F(ExternalFiles, MissingPicturesAreLeftOutAndCounted) {

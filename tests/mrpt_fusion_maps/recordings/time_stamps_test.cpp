@@ -37,11 +37,6 @@ Objects changed(Objects objects, Change&& change) {
   return objects;
 }
 
-bool isSameMap(const CProbOctoMap& expected, const BuiltMap& built) {
-  const auto map = std::dynamic_pointer_cast<CProbOctoMap>(built.map);
-  return map && sameTree(expected.octree(), map->octree());
-}
-
 }  // namespace
 
 TEST_F(TimeStamps, WithoutThemTheOrderOfTheLogPlacesObservations) {
