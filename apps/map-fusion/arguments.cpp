@@ -14,6 +14,8 @@
 #include "slice_out.h"
 #include "spelling.h"
 
+namespace fs = std::filesystem;
+
 namespace map_fusion {
 
 namespace {
@@ -28,7 +30,7 @@ void checkCommand(const CLI::App& app, int argc, char** argv) {
   const std::string nearest = nearestTo(word, commands).first;
   if (nearest == word) return;
   std::error_code none;
-  if (std::filesystem::exists(word, none))
+  if (fs::exists(word, none))
     throw CLI::ValidationError("'" + mrpt::fusion::printable(word) +
                                "' is a file; a command comes first: map-fusion fuse A B -o FILE");
   throw CLI::ValidationError("there is no command '" + mrpt::fusion::printable(word, kMostLetters) +
@@ -95,16 +97,25 @@ void checkOutputs(const Arguments& args) {
             mrpt::fusion::printable(outputs[i]));
 }
 
-/** \exception CLI::ValidationError If a command writes no octree, but the extension of its output
- * is that of an octree. */
+/** \exception CLI::ValidationError If the extension of the output is not one that the command
+ * writes. */
 void checkFormat(const Arguments& args) {
-  const std::string extension = std::filesystem::path(args.output).extension();
-  const char* format = args.command == "edges"  ? "edges, not an octree: .ply or .gridmap"
-                       : args.command == "pack" ? "a mission, not an octree: .rawlog"
-                                                : nullptr;
-  if (format && (extension == ".ot" || extension == ".bt"))
-    throw CLI::ValidationError(mrpt::fusion::printable(args.output) + ": " + args.command +
-                               " writes " + format);
+  const std::string& output = args.output;
+  const bool is_known = isMapFile(output);
+  const fs::path extension = fs::path(output).extension();
+  const bool is_octree = extension == ".ot" || extension == ".bt";
+  const auto refuse = [&](const std::string& formats) {
+    throw CLI::ValidationError(mrpt::fusion::printable(output) + ": " + args.command + " writes " +
+                               formats);
+  };
+  if (output.empty() || args.command == "slice") return;
+  if (args.command == "pack")
+    return is_octree ? refuse("a mission, not an octree: .rawlog") : void();
+  if (args.command == "edges")
+    return is_octree || !(is_known || extension == ".ply")
+               ? refuse("edges, not an octree: .ply or .gridmap")
+               : void();
+  if (!is_known) refuse("maps: .ot or .bt of OctoMap, .gridmap or .gridmap.gz of MRPT");
 }
 
 }  // namespace

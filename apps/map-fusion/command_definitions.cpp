@@ -40,9 +40,12 @@ constexpr double kMostHeight = 1e9;                   // m
 
 constexpr const char* kPoseHelp =
     "\"[x y z yaw pitch roll]\" (m, deg), or a file with a 4x4 row-major matrix";
+constexpr const char* kMapsHelp =
+    "maps: .ot, .bt, MRPT-serialized, point clouds (.pcd, .ply), or recordings from which maps are "
+    "built";
 constexpr const char* kFusedHelp =
-    "fused map in the frame of A: .ot, .bt, or MRPT-serialized. *.simplemap: the key frames of all "
-    "maps in the frame of A, if all maps are simplemaps";
+    "fused map in the frame of A: .ot, .bt, or MRPT-serialized (.gridmap, .gridmap.gz). "
+    "*.simplemap: the key frames of all maps in the frame of A, if all maps are simplemaps";
 constexpr const char* kResolutionHelp =
     "voxel size (m) of files that state none: point clouds (default: 0.1), and the data of "
     "octomap_msgs/Octomap without a header";
@@ -71,12 +74,18 @@ class CommandLine {
     return sub;
   }
   void inputs(CLI::App* sub, const std::string& names, int least, int most,
+              const std::string& help = kMapsHelp,
               const std::string& resolution_help = kResolutionHelp) {
-    sub->add_option(names, args_.maps,
-                    "maps: .ot, .bt, MRPT-serialized, point clouds (.pcd, .ply), or recordings "
-                    "from which maps are built")
+    sub->add_option(names, args_.maps, help)
         ->required()
-        ->expected(least, most);
+        ->expected(least, most)
+        ->check(CLI::Validator(
+            [](const std::string& path) -> std::string {
+              return path == "-" ? "maps are read from files, not from standard input (a file of "
+                                   "this name is ./-)"
+                                 : "";
+            },
+            ""));
     reading(sub, resolution_help);
   }
   void reading(CLI::App* sub, const std::string& resolution_help = kResolutionHelp) {
@@ -285,10 +294,10 @@ void addMapCommands(CommandLine& line, Arguments& args) {
       line.add("transform", "Move a map to another frame, onto the grid of that frame",
                "map-fusion transform b.ot --pose \"[1 2 0 90 0 0]\" -o moved.ot");
   line.inputs(
-      transform, "MAP", 1, 1,
+      transform, "MAP", 1, 1, kMapsHelp,
       "voxel size, m (default: as in the map). It is also the " + std::string(kResolutionHelp));
   line.pose(transform, "pose of the map's frame in the new frame");
-  line.output(transform, "moved map: .ot, .bt, or MRPT-serialized");
+  line.output(transform, "moved map: .ot, .bt, or MRPT-serialized (.gridmap, .gridmap.gz)");
 
   auto* slice = line.add(
       "slice",
@@ -301,8 +310,9 @@ void addMapCommands(CommandLine& line, Arguments& args) {
   auto* build = line.add(
       "build", "Build a map from a recording (.rawlog, .simplemap) or a point cloud (.pcd, .ply)",
       "map-fusion build run.rawlog --config map.ini -o run.ot");
-  line.inputs(build, "MAP", 1, 1);
-  line.output(build, "map: .ot or .bt; otherwise MRPT-serialized, compressed if *.gz");
+  line.inputs(build, "RECORDING", 1, 1,
+              "recording (.rawlog, .simplemap) or point cloud (.pcd, .ply)");
+  line.output(build, "map: .ot, .bt, or MRPT-serialized (.gridmap, .gridmap.gz)");
 
   auto* pack = line.add("pack", "Write the maps of several robots to one rawlog, compressed",
                         "map-fusion pack robot1.ot robot2.ot -o mission.rawlog");
@@ -336,7 +346,7 @@ void addTeamCommands(CommandLine& line, Arguments& args) {
   line.link(join);
   line.reading(join);
   join->add_option("-o,--output", args.output,
-                   "fused map, written when it changes: .ot, .bt, or MRPT-serialized")
+                   "fused map, written when it changes: .ot, .bt, or MRPT-serialized (.gridmap)")
       ->type_name("FILE");
   line.posesOut(join);
   line.policy(join);

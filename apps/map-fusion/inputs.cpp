@@ -57,16 +57,32 @@ LoadedMap loadOctomapFile(const RunContext& run, const std::string& path) {
   return map;
 }
 
+/** Records which options had an effect on a map that was loaded. */
+void recordOptions(RunContext& run, const std::string& path) {
+  if (run.args.resolution <= 0 && run.args.sensor_origin.empty()) return;
+  const InputKind kind = inputKindOf(run, path);
+  run.uses_sensor_origin |= kind == InputKind::PointCloud;
+  run.uses_resolution |= kind == InputKind::PointCloud || kind == InputKind::RawNodes;
+}
+
+/** Returns the name of a map as a source: the name of its file, unlike those of the other maps. */
+std::string sourceNameOf(const RunContext& run, const std::string& path) {
+  const auto& paths = run.args.maps;
+  const auto index = std::find(paths.begin(), paths.end(), path) - paths.begin();
+  return mrpt::fusion::namesOf(paths).at(static_cast<size_t>(index));
+}
+
 /** Reports on a map that was loaded. A map without sources is a source named by its file. */
 void report(RunContext& run, const std::string& path, LoadedMap& map,
             mrpt::fusion::MapReport on_map) {
   if (run.args.command != "info" && on_map.statistics.occupied == 0)
     throw std::runtime_error(path + ": the map has no occupied voxel");
   for (const auto& note : map.notes) run.note(path + ": " + note);
+  recordOptions(run, path);
   run.progress.clear();
   run.report.maps.push_back(std::move(on_map));
   run.report.maps.back().sources = map.sources;
-  if (map.sources.empty()) map.sources = {{{}, mrpt::fusion::namesOf({path}).front(), 0, 0}};
+  if (map.sources.empty()) map.sources = {{{}, sourceNameOf(run, path), 0, 0}};
 }
 
 }  // namespace

@@ -17,7 +17,8 @@ std::shared_ptr<const octomap::OcTree> LiveMap::readIfChanged(RunContext& run) {
   const State now{std::filesystem::last_write_time(path_, error),
                   std::filesystem::file_size(path_, error)};
   const bool is_first = !read_;
-  if (!is_first && (error || now == *read_)) return nullptr;
+  if (!is_first && error) return keepLast(run, path_ + ": is gone");
+  if (!is_first && now == *read_) return nullptr;
   read_ = now;
   try {
     const auto octree = loadMap(run, run.args.robot, path_).octree;
@@ -26,10 +27,15 @@ std::shared_ptr<const octomap::OcTree> LiveMap::readIfChanged(RunContext& run) {
     return octree;
   } catch (const std::runtime_error& e) {
     if (is_first) throw;
-    if (!is_noted_) run.note(mrpt::fusion::messageOf(e) + " (the last map that was read stays)");
-    is_noted_ = true;
-    return nullptr;
+    return keepLast(run, mrpt::fusion::messageOf(e));
   }
+}
+
+std::shared_ptr<const octomap::OcTree> LiveMap::keepLast(RunContext& run,
+                                                         const std::string& reason) {
+  if (!is_noted_) run.note(reason + " (the last map that was read stays)");
+  is_noted_ = true;
+  return nullptr;
 }
 
 }  // namespace map_fusion

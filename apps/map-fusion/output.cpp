@@ -98,19 +98,16 @@ void checkWritable(const std::string& path, const std::vector<std::string>& inpu
     throw std::runtime_error(path + ": cannot be written: permission denied");
 }
 
-std::string surpriseOf(const Arguments& args) {
-  const std::string& path = args.output;
-  const std::string extension = fs::path(path).extension();
+bool isMapFile(const std::string& path) {
   std::error_code ignored;
   const bool is_device = fs::exists(path, ignored) && !fs::is_regular_file(path, ignored);
-  if (path.empty() || path == mrpt::fusion::kStandardOutput || is_device ||
-      args.command == "pack" || args.command == "slice" ||
-      (args.command == "edges" && extension == ".ply"))
-    return {};
-  for (const char* known : {".ot", ".bt", ".gridmap", ".map", ".gz", ".simplemap"})
-    if (extension == known) return {};
-  return path + ": is written as an object of MRPT, for which .gridmap is usual. Other formats: " +
-         (args.command == "edges" ? ".ply" : ".ot and .bt of OctoMap");
+  if (path == mrpt::fusion::kStandardOutput || is_device) return true;
+  const fs::path file(path);
+  const fs::path extension = file.extension();
+  if (extension == ".ot" || extension == ".bt") return true;
+  const fs::path of_object = extension == ".gz" ? file.stem().extension() : extension;
+  if (of_object.empty()) return extension == ".gz";
+  return of_object == ".gridmap" || of_object == ".map" || of_object == ".simplemap";
 }
 
 void saveMap(const std::shared_ptr<const octomap::OcTree>& map, const std::string& path,

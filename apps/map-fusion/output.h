@@ -41,9 +41,10 @@ bool isSameOutput(const std::string& a, const std::string& b);
  * \exception std::runtime_error "<path>: <reason>" if it cannot, or if the file is an input. */
 void checkWritable(const std::string& path, const std::vector<std::string>& inputs);
 
-/** Returns a remark on the format of the output map if the extension of the file suggests another
- * format, otherwise nothing. */
-std::string surpriseOf(const Arguments& args);
+/** Returns whether saveMap() can write a map to a path: `.ot` and `.bt`, the extensions of MRPT's
+ * objects (`.gridmap`, `.map`, `.simplemap`, each with or without `.gz`; `.gz` alone), devices,
+ * pipes and standard output. */
+bool isMapFile(const std::string& path);
 
 /** Saves a map: `.ot` and `.bt` by extension, `.ot` on standard output ("-"), otherwise as MRPT
  * serializes it. \param[in] sources Sources of the map, which files of octrees do not hold.

@@ -52,7 +52,6 @@ RunContext::RunContext(const Arguments& arguments) : args(arguments), progress(!
     else
       progress.show(toText(i));
   };
-  if (const std::string surprise = surpriseOf(args); !surprise.empty()) note(surprise);
   startStep();
 }
 
@@ -108,7 +107,15 @@ void RunContext::endStep(const std::string& name) {
   startStep();
 }
 
+void RunContext::noteUnusedOptions() {
+  if (args.resolution > 0 && !uses_resolution)
+    note("--resolution has no effect: each map states its voxel size");
+  if (!args.sensor_origin.empty() && !uses_sensor_origin)
+    note("--sensor-origin has no effect: no map is a point cloud");
+}
+
 void RunContext::finish() {
+  noteUnusedOptions();
   const auto outputs = outputsOf(args);
   const bool is_stdout_taken = std::any_of(outputs.begin(), outputs.end(), isStandardOutput);
   std::ostream& summary = is_stdout_taken ? std::cerr : std::cout;

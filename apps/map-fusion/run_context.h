@@ -40,6 +40,8 @@ class RunContext {
   Progress progress;                       ///< Line on the terminal
   mrpt::fusion::OnIteration on_iteration;  ///< Shows an iteration
   std::string page_scene;                  ///< Picture of the page, see mrpt::fusion::toSceneJson()
+  bool uses_resolution = false;            ///< True if `--resolution` had an effect
+  bool uses_sensor_origin = false;         ///< True if `--sensor-origin` had an effect
 
   /** The map that `--config` defines. It is valid as long as this context. */
   MapDefinition mapDefinition();
@@ -64,6 +66,7 @@ class RunContext {
 
  private:
   void loadConfig();
+  void noteUnusedOptions();
   void printWritten(std::ostream& out) const;
 
   std::unique_ptr<mrpt::config::CConfigFileMemory> config_;

@@ -43,6 +43,23 @@ Json poseJson(const mrpt::poses::CPose3DPDFGaussian& p) {
 
 Json vectorJson(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
+const char* textOf(OtherPoses poses) {
+  switch (poses) {
+    case OtherPoses::NotSearched:
+      return "not_searched";
+    case OtherPoses::NoneBetter:
+      return "none_better";
+    case OtherPoses::Compared:
+      return "compared";
+  }
+  return "";
+}
+
+/** Returns a figure of the best other pose. 0 would read as if there were none. */
+Json compared(const Evaluation& e, double figure) {
+  return e.other_poses == OtherPoses::Compared ? Json(figure) : Json();
+}
+
 Json matchJson(const Alignment& info) {
   const auto& e = info.evaluation;
   Json iterations = Json::array();
@@ -66,10 +83,11 @@ Json matchJson(const Alignment& info) {
           {"inlier_threshold", e.threshold},
           {"mean_mahalanobis", e.mean_mahalanobis},
           {"log_likelihood", e.log_likelihood},
-          {"runner_up", e.runner_up},
+          {"other_poses", textOf(e.other_poses)},
+          {"runner_up", compared(e, e.runner_up)},
           {"rival_support", e.rival_support},
           {"rival_same_side", e.rival_same_side},
-          {"rival_weight", e.rival_weight},
+          {"rival_weight", compared(e, e.rival_weight)},
           {"probability", e.probability},
           {"deviation_m", e.deviation.translation},
           {"deviation_deg", mrpt::RAD2DEG(e.deviation.rotation)},

@@ -89,6 +89,9 @@ void printMatch(const Alignment& info, std::ostream& out) {
     line(out,
          "conflict ratio   unknown  (nothing to compare: no obstacle lies where the other map is "
          "free)");
+  if (e.other_poses == OtherPoses::NotSearched) line(out, "other poses      were not searched");
+  if (e.other_poses == OtherPoses::NoneBetter)
+    line(out, "other poses      a search everywhere found no pose that agrees clearly better");
   line(out, "verdict          %s", verdictOf(e));
   printReasons(e, out);
   if (e.is_ambiguous)

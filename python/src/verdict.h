@@ -4,6 +4,8 @@
 #include <mrpt/fusion/alignment.h>
 #include <pybind11/stl.h>
 
+#include <optional>
+
 #include "poses.h"
 
 /** \file
@@ -45,8 +47,13 @@ void addVerdict(Class& type, VerdictOf verdict_of) {
       "conflict_ratio", [](const Evaluation& e) { return e.free_space.conflictRatio(); },
       "Share of the obstacles that lie in the free space of the other map, in [0,1].");
   add(
-      "runner_up", [](const Evaluation& e) { return e.runner_up; },
-      "Agreement of the best other pose over the agreement of this pose.");
+      "runner_up",
+      [](const Evaluation& e) {
+        return e.other_poses == mrpt::fusion::OtherPoses::Compared ? std::optional(e.runner_up)
+                                                                   : std::nullopt;
+      },
+      "Agreement of the best other pose over the agreement of this pose. None if no other pose was "
+      "compared.");
   add(
       "deviation",
       [](const Evaluation& e) {

@@ -3,6 +3,7 @@
  * Tests of what the program says: files that it wrote, reasons of a rejection, hints. */
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "run.h"
@@ -75,13 +76,62 @@ TEST_F(Messages, HelpWithOutputsThatACommandDoesNotWrite) {
   EXPECT_FALSE(fs::exists(dir_ / "edges.ot"));
 }
 
-TEST_F(Messages, NameTheFormatOfAnUnknownExtension) {
+TEST_F(Messages, NameTheFormatsOfMapsIfTheExtensionIsOfNone) {
   const std::string move = "transform " + pair("map_a.ot") + " --pose '[1 0 0 0 0 0]' -q -o ";
-  const auto r = mapFusion(move + "moved.pcd");
-  EXPECT_EQ(r.code, 0);
-  EXPECT_TRUE(says(r.err, "moved.pcd: is written as an object of MRPT")) << r.err;
-  for (const std::string known : {"moved.ot", "moved.bt", "moved.gridmap", "moved.gz", "-"})
+  for (const std::string unknown :
+       {"moved.pcd", "moved", "moved.ot.gz", "moved.ply", "moved.rawlog"}) {
+    expectLine(move + unknown, 2,
+               unknown + ": transform writes maps: .ot or .bt of OctoMap, .grid");
+    EXPECT_FALSE(fs::exists(dir_ / unknown));
+  }
+  expectLine("fuse " + both() + " -o fused.pcd", 2, "fused.pcd: fuse writes maps");
+  expectLine("edges " + pair("map_a.ot") + " -o edges.pcd", 2, ".ply or .gridmap");
+  for (const std::string known :
+       {"moved.ot", "moved.bt", "moved.gridmap", "moved.gz", "moved.gridmap.gz", "-", "/dev/null"})
     EXPECT_EQ(mapFusion(move + known).err, "") << known;
+}
+
+TEST_F(Messages, SayThatAnOptionHasNoEffect) {
+  const std::string options = " --resolution 0.2 --sensor-origin '0 0 1'";
+  const auto r = mapFusion("match " + both() + options);
+  EXPECT_EQ(r.code, 0);
+  for (const std::string option : {"--resolution", "--sensor-origin"}) {
+    const size_t at = r.err.find(option + " has no effect: ");
+    ASSERT_NE(at, std::string::npos) << r.err;
+    EXPECT_EQ(r.err.find(option, at + 1), std::string::npos) << "once: " << r.err;
+  }
+  writeFile(dir_ / "c.ply",
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+            "property float z\nend_header\n1 0 1\n");
+  EXPECT_FALSE(says(mapFusion("info c.ply" + options).err, "no effect"));
+  EXPECT_FALSE(says(mapFusion("transform " + pair("map_a.ot") +
+                              " --resolution 0.5 --pose "
+                              "'[0 0 0 0 0 0]' -o t.ot")
+                        .err,
+                    "no effect"));
+}
+
+TEST_F(Messages, SayThatMapsAreReadFromFiles) {
+  expectLine("info -", 2, "from files, not from standard input");
+  const std::string help = mapFusion("build --help").out;
+  EXPECT_TRUE(says(help, "recording (.rawlog, .simplemap) or point cloud")) << help;
+  EXPECT_FALSE(says(help, "maps: .ot")) << help;
+}
+
+TEST_F(Messages, SayWhatIsKnownOfOtherPosesThanAGivenPose) {
+  const auto report = [&] { return nlohmann::json::parse(readFile(dir_ / "report.json")); };
+  const std::string evaluate = "evaluate " + both() + " --json report.json --pose ";
+  const auto wrong = mapFusion(evaluate + "\"[5 5 0 90 0 0]\"");
+  EXPECT_EQ(wrong.code, 3);
+  EXPECT_TRUE(says(wrong.out, "- another pose [")) << wrong.out;
+  EXPECT_EQ(report()["match"]["other_poses"], "compared");
+  EXPECT_GT(report()["match"]["runner_up"], 1);
+  writeFile(dir_ / "no_search.ini", "[ProbabilisticMapMatching]\nsure_probability = 0\n");
+  const auto right = mapFusion(evaluate + pair("T_a_b.txt") + " --config no_search.ini");
+  EXPECT_TRUE(says(right.out, "other poses      were not searched")) << right.out;
+  EXPECT_EQ(report()["match"]["other_poses"], "not_searched");
+  EXPECT_TRUE(report()["match"]["runner_up"].is_null());
+  EXPECT_TRUE(report()["match"]["rival_weight"].is_null());
 }
 
 TEST_F(Messages, OfWordsThatAreNoNumbersNameThem) {

@@ -65,6 +65,16 @@ TEST_F(SourcesOfMaps, AFusedMapAddsNoSourceAgain) {
   EXPECT_NE(info.out.find("sources of map: map_a, map_b"), std::string::npos) << info.out;
 }
 
+TEST_F(SourcesOfMaps, OfFilesOfOneNameAreToldApartByTheirFolders) {
+  ASSERT_EQ(run("mkdir one two && cp " + pair("map_a.ot") + " one/map.ot && cp " +
+                pair("map_b.ot") + " two/map.ot")
+                .code,
+            0);
+  ASSERT_EQ(mapFusion("fuse one/map.ot two/map.ot -o fused.gridmap").code, 0);
+  const auto info = mapFusion("info fused.gridmap");
+  EXPECT_NE(info.out.find("sources of map: one_map, two_map"), std::string::npos) << info.out;
+}
+
 TEST_F(SourcesOfMaps, AFusedMapThatIsMovedKeepsItsSources) {
   ASSERT_EQ(mapFusion("fuse " + both() + " -o fused.gridmap").code, 0);
   ASSERT_EQ(mapFusion("transform fused.gridmap --pose \"[1 2 0 30 0 0]\" -o moved.gridmap").code,

@@ -173,6 +173,19 @@ TEST_F(Join, ABaseStationWithoutAMapFollowsMapsThatChange) {
     ASSERT_TRUE(waitFor([&] { return hasExpected(i); }, seconds(40))) << i << "\n" << logs();
 }
 
+TEST_F(Join, AMapFileThatIsDeletedIsNotedOnceAndTheRobotStays) {
+  run(MAP_FUSION
+      " join --robot r1 --map r1.ot --domain 11 -o fused1.ot >log1 2>&1 & echo $! >r1.pid");
+  const auto log = [&] { return readFile(dir_ / "log1"); };
+  ASSERT_TRUE(waitFor([&] { return log().find("r1 complete") != std::string::npos; }, seconds(20)));
+  fs::remove(dir_ / "r1.ot");
+  const std::string note = "r1.ot: is gone (the last map that was read stays)";
+  EXPECT_TRUE(waitFor([&] { return log().find(note) != std::string::npos; }, seconds(10))) << log();
+  std::this_thread::sleep_for(seconds(3));
+  EXPECT_FALSE(allEnded()) << log();
+  EXPECT_EQ(log().find(note, log().find(note) + 1), std::string::npos) << log();
+}
+
 TEST_F(Join, BadInputIsOneLine) {
   writeFile(dir_ / "bad.ot", "no map");
   const std::string name(64, 'n');

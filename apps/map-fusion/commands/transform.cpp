@@ -19,6 +19,7 @@ namespace map_fusion {
 bool runTransform(RunContext& run) {
   const mrpt::poses::CPose3D pose = parsePose(run.args.pose);
   const LoadedMap map = loadMap(run, "map", run.args.maps[0]);
+  run.uses_resolution = true;
   const double resolution =
       run.args.resolution > 0 ? run.args.resolution : map.octree->getResolution();
   const auto moved =

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Searches everywhere if the probability of an accepted match is low. */
+ * Searches everywhere unless a given pose is surely right. */
 #include "fusion_core/pair/verify.h"
 
 #include "fusion_core/pair/match.h"
@@ -13,8 +13,7 @@ Evaluation verify(const MapFeatures& a, const MapFeatures& b, const Options& opt
                   MatchResult& result) {
   Evaluation evaluation = judge(a, b, result, options.evaluation);
   const bool has_bounds = options.search.translation > 0 && !options.search.isEverywhere();
-  if (!has_bounds || !evaluation.accepted ||
-      evaluation.probability >= options.evaluation.sure_probability)
+  if (!has_bounds || isEmpty(a, b) || evaluation.probability >= options.evaluation.sure_probability)
     return evaluation;
   Options unbounded = options;
   unbounded.search = everywhere(options.search);
@@ -24,6 +23,8 @@ Evaluation verify(const MapFeatures& a, const MapFeatures& b, const Options& opt
                               comparisonOf(options))) {
     insertBetter(*better, result);
     evaluation = judge(a, b, result, options.evaluation);
+  } else if (result.hypotheses.empty()) {
+    evaluation.other_poses = OtherPoses::NoneBetter;
   }
   return evaluation;
 }

@@ -14,11 +14,11 @@ namespace mrpt::fusion {
 
 /** Returns the verdict on a given pose. Searches for a better pose if the verdict needs it.
  *
- * A given pose may be wrong. If judge() accepts the pose with a probability below
- * EvaluationParams::sure_probability, the pose is compared with the best pose of a search without
- * bounds, see everywhere() (not in the paper). If the agreement of the given pose is at most
- * EvaluationParams::max_runner_up times the agreement of the best pose, the best pose becomes
- * result.hypotheses[1], and the given pose is rejected. Cost of the comparison: matchMaps() without
+ * A given pose may be wrong. If its probability is below EvaluationParams::sure_probability, the
+ * pose is compared with the best pose of a search without bounds, see everywhere() (not in the
+ * paper). If the agreement of the given pose is at most EvaluationParams::max_runner_up times the
+ * agreement of the best pose, the best pose becomes result.hypotheses[1], and the given pose is
+ * rejected; the reasons name the best pose. Cost of the comparison: matchMaps() without
  * a guess.
  * \param[in] a,b Features of the maps A and B.
  * \param[in] options As for matchMaps(). No search or a search without bounds: no comparison.

@@ -171,9 +171,12 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
 Evaluation judge(const MapFeatures& a, const MapFeatures& b, const MatchResult& match,
                  const EvaluationParams& params) {
   if (isEmpty(a, b)) return evaluateMatch(a, b, {}, match.T_a_b, params);
-  return evaluateMatch(a, b, match.pairs, match.T_a_b, params, rivalOf(a, b, match, params),
-                       deviationAt(match.covariance, match.T_a_b * meanOf(b.matched.voxels.centre)),
-                       match.size_ratio);
+  Evaluation e =
+      evaluateMatch(a, b, match.pairs, match.T_a_b, params, rivalOf(a, b, match, params),
+                    deviationAt(match.covariance, match.T_a_b * meanOf(b.matched.voxels.centre)),
+                    match.size_ratio);
+  if (!match.hypotheses.empty()) e.other_poses = OtherPoses::Compared;
+  return e;
 }
 
 }  // namespace mrpt::fusion

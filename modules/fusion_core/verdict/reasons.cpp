@@ -30,6 +30,13 @@ std::string textOf(const std::optional<Eigen::Isometry3d>& T) {
   return text;
 }
 
+/** Returns a factor with two digits. */
+std::string factor(double value) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.2g", value);
+  return text;
+}
+
 /** Adds one of two reasons. A bad figure rejects the match. */
 void judge(bool is_good, const std::string& yes, const std::string& no, Evaluation& e) {
   if (is_good) return e.addReasonFor(yes);
@@ -114,7 +121,8 @@ void judgeRival(const Circumstances& circumstances, const EvaluationParams& para
   const std::string counts =
       reaches + ". It confirms only " + percent(is_small ? e.rival_support : e.rival_same_side) +
       " of the obstacles that this pose confirms" + (is_small ? "" : " from the same side") +
-      ", so it counts as " + percentBeside(params.max_runner_up, e.rival_weight);
+      ", so its agreement counts " + factor(e.rival_weight / e.runner_up) +
+      " times: " + percentBeside(params.max_runner_up, e.rival_weight);
   judge(is_weak, counts + ", at most " + limit + " are allowed", counts + ", more than " + limit,
         e);
 }

@@ -133,6 +133,7 @@ PlacedTeam placeTeam(const std::vector<RobotMap>& maps, const Options& options,
     e.reasons_against = p.placed ? 0 : e.reasons.size();
     for (const size_t other : groups.others[k]) member.fits.push_back(maps[other].robot);
     e.runner_up = p.runner_up;
+    e.other_poses = OtherPoses::Compared;
     e.is_ambiguous = !p.placed && p.runner_up > params.max_runner_up;
   });
   addLinks(maps, options, placed, matches, evidence, executor, memory, members);

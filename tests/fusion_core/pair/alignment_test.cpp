@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <mrpt/fusion/alignment.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <exception>
@@ -148,20 +149,41 @@ TEST_F(Aligning, VerifyingSearchesEverywhereIfTheVerdictIsNotSure) {
   EXPECT_EQ(match.T_a_b.matrix(), wrong.matrix()) << "the match stays what it is";
   ASSERT_EQ(match.hypotheses.size(), 2U);
   EXPECT_LT(metresBetween(match.hypotheses[1].T_a_b, truth), 0.1) << "the better pose";
+  EXPECT_EQ(e.other_poses, OtherPoses::Compared);
+}
+
+TEST_F(Aligning, VerifyingNamesTheBetterPoseOfARejectedPose) {
+  Options strict = credulous();
+  strict.evaluation.min_probability = 0.99;
+  // Maps that do not touch have no agreement: any other pose is better.
+  for (const Eigen::Isometry3d& pose : {wrong, Eigen::Isometry3d(poseOf(500, 0, 0, 0))}) {
+    MatchResult match = matchAt(a().features(), b().features(), pose, strict);
+    const Evaluation e = verify(a().features(), b().features(), strict, match);
+    EXPECT_FALSE(e.accepted);
+    EXPECT_GT(e.runner_up, 1);
+    EXPECT_LE(e.runner_up, MatchResult::kMostRunnerUp);
+    EXPECT_EQ(e.probability,
+              judge(a().features(), b().features(), match, strict.evaluation).probability);
+    ASSERT_EQ(match.hypotheses.size(), 2U);
+    EXPECT_LT(metresBetween(match.hypotheses[1].T_a_b, truth), 0.1);
+    const bool is_named = std::any_of(e.reasons.begin(), e.reasons.end(), [](const auto& reason) {
+      return reason.find("another pose [") == 0;
+    });
+    EXPECT_TRUE(is_named);
+  }
 }
 
 TEST_F(Aligning, VerifyingDoesNotSearchIfItIsNotToOrNeedNot) {
-  Options never = credulous(), no_search = credulous(), rejected = credulous(),
-          everywhere_already = credulous();
+  Options never = credulous(), no_search = credulous(), everywhere_already = credulous();
   never.evaluation.sure_probability = 0;
   no_search.search.translation = 0;
-  rejected.evaluation.min_probability = 0.99;
   everywhere_already.search = everywhere(everywhere_already.search);
-  for (const Options& options : {never, no_search, rejected, everywhere_already}) {
+  for (const Options& options : {never, no_search, everywhere_already}) {
     MatchResult match = matchAt(a().features(), b().features(), wrong, options);
     const Evaluation e = verify(a().features(), b().features(), options, match);
-    EXPECT_EQ(e.accepted, options.evaluation.min_probability == 0);
+    EXPECT_TRUE(e.accepted);
     EXPECT_TRUE(match.hypotheses.empty());
+    EXPECT_EQ(e.other_poses, OtherPoses::NotSearched);
   }
 }
 
@@ -172,6 +194,9 @@ TEST_F(Aligning, VerifyingARightMatchLeavesItAccepted) {
   const Evaluation e = verify(a().features(), b().features(), never_sure, match);
   EXPECT_TRUE(e.accepted);
   EXPECT_EQ(match.hypotheses.size(), found().match.hypotheses.size());
+  MatchResult given = matchAt(a().features(), b().features(), truth, never_sure);
+  EXPECT_EQ(verify(a().features(), b().features(), never_sure, given).other_poses,
+            OtherPoses::NoneBetter);
 }
 
 // ---------------------------------------------------------------- a given pose

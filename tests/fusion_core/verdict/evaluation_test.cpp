@@ -240,7 +240,7 @@ TEST(EvaluateMatch, ARivalThatConfirmsNextToNothingCountsLess) {
   EXPECT_DOUBLE_EQ(e.rival_weight, 0.45);
   EXPECT_TRUE(e.accepted);
   EXPECT_NE(reasonsOf(e).find("It confirms only 10.0 % of the obstacles that this pose confirms, "
-                              "so it counts as 45.0 %, at"),
+                              "so its agreement counts 0.5 times: 45.0 %, at"),
             std::string::npos)
       << reasonsOf(e);
   const Evaluation of_rival = judged(0.9, on_it);
@@ -268,7 +268,7 @@ TEST(EvaluateMatch, ARivalFromTheOtherSideCountsLess) {
   EXPECT_NEAR(none.rival_weight, 0.4 * 0.9, 1e-12);
   EXPECT_TRUE(none.accepted);
   EXPECT_NE(reasonsOf(none).find("It confirms only 0.0 % of the obstacles that this pose confirms "
-                                 "from the same side, so it counts as 36.0 %"),
+                                 "from the same side, so its agreement counts 0.4 times: 36.0 %"),
             std::string::npos)
       << reasonsOf(none);
   EXPECT_EQ(judged(1.1, 0).rival_weight, 1.1) << "it agrees better";

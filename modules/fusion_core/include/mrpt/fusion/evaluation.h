@@ -134,6 +134,13 @@ struct FreeSpaceCheck {
   }
 };
 
+/** How a pose was compared with other poses. */
+enum class OtherPoses {
+  NotSearched,  ///< No other pose was searched
+  NoneBetter,   ///< A search found no pose that agrees clearly better, and no more is known
+  Compared      ///< The best other pose is known, or there is none
+};
+
 /** The verdict on a match, with its evidence. */
 struct Evaluation {
   size_t sampled = 0;             ///< Number of voxels of B to pair
@@ -146,7 +153,9 @@ struct Evaluation {
   double log_likelihood = 0;      ///< Logarithm of eq. (23)
   FreeSpaceCheck free_space;      ///< Sum of both directions, for the voxels in the verdict
   double without_free_space = 0;  ///< Share of the maps without free space: 0, 0.5 or 1
-  double runner_up = 0;           ///< Agreement of the best rival over the agreement of this pose
+  /** What runner_up and rival_weight are worth: they are evidence only if poses were compared. */
+  OtherPoses other_poses = OtherPoses::NotSearched;
+  double runner_up = 0;  ///< Agreement of the best rival over the agreement of this pose
   /** Obstacles that the maps confirm at the pose of the best rival, over those that they confirm at
    * this pose, at most 1. 1 if the verdict did not look at it: the match is sure anyway. */
   double rival_support = 1;

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -90,13 +91,15 @@ struct MatchResult {
    * registration with all voxels moved far from it. */
   std::vector<RankedPose> hypotheses;
   /** Agreement of the second hypothesis over the agreement of the first; 0 without a second
-   * hypothesis. Above 1 only for the two kinds of second poses that \a hypotheses describes. */
+   * hypothesis, at most kMostRunnerUp. Above 1 only for the two kinds of second poses that
+   * \a hypotheses describes. */
   double runnerUp() const {
-    return hypotheses.size() > 1 && hypotheses[0].agreement > 0
-               ? hypotheses[1].agreement / hypotheses[0].agreement
-               : 0;
+    if (hypotheses.size() < 2 || hypotheses[1].agreement <= 0) return 0;
+    return std::min(hypotheses[1].agreement / std::max(hypotheses[0].agreement, 0.0),
+                    kMostRunnerUp);
   }
-  Pairs pairs;  ///< Pairs at T_a_b of the voxels in the verdict
+  static constexpr double kMostRunnerUp = 1e6;  ///< Ratio beside a pose without any agreement
+  Pairs pairs;                                  ///< Pairs at T_a_b of the voxels in the verdict
   /** Least number of pairs that determines a pose. A level stops below this number. */
   static constexpr size_t kMinPairs = 10;
   /** True if the pairs determine a pose. */
