@@ -101,7 +101,7 @@ void checkWritable(const std::string& path, const std::vector<std::string>& inpu
 bool isMapFile(const std::string& path) {
   std::error_code ignored;
   const bool is_device = fs::exists(path, ignored) && !fs::is_regular_file(path, ignored);
-  if (path == mrpt::fusion::kStandardOutput || is_device) return true;
+  if (is_device || isStandardOutput(path)) return true;
   const fs::path file(path);
   const fs::path extension = file.extension();
   if (extension == ".ot" || extension == ".bt") return true;

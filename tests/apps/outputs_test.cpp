@@ -59,7 +59,7 @@ TEST_F(Outputs, OnStandardOutputMayBeReadByTheNextCommand) {
 
 TEST_F(Outputs, TheReportIsAnOutput) {
   ASSERT_EQ(mapFusion("info " + pair("map_a.ot") + " --json -").out.substr(0, 1), "{");
-  const auto r = mapFusion(transform() + "./- -q");
+  const auto r = mapFusion("info " + pair("map_a.ot") + " --json ./- -q");
   EXPECT_EQ(r.code, 0) << r.err;
   EXPECT_TRUE(fs::exists(dir_ / "-")) << "a file of this name";
 }
