@@ -32,6 +32,7 @@ case $command in
   up)
     rate=${4:-256kbit}
     ip netns add "$hub"
+    ip netns exec "$hub" sysctl -qw net.ipv6.conf.all.disable_ipv6=1
     ip -n "$hub" link add hub type bridge
     ip -n "$hub" link set hub up
     for i in $(seq "$3"); do
@@ -40,6 +41,7 @@ case $command in
       ip -n "$hub" link add "port$i" type veth peer name eth0 netns "$robot"
       ip -n "$hub" link set "port$i" master hub up
       ip -n "$robot" addr add "10.77.0.$i/24" dev eth0
+      ip netns exec "$robot" sysctl -qw net.ipv6.conf.all.disable_ipv6=1
       ip -n "$robot" link set lo up
       ip -n "$robot" link set eth0 multicast on up
       ip -n "$robot" route add 224.0.0.0/4 dev eth0

@@ -7,9 +7,16 @@
 
 #include <algorithm>
 #include <cctype>
+#include <chrono>
+#include <condition_variable>
 #include <cstdlib>
+#include <deque>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <stdexcept>
+#include <thread>
+#include <utility>
 
 #include "map_sample.h"
 
@@ -22,11 +29,11 @@ using WireSample = mrpt_fusion_msg_dds__MapSample_;
 constexpr const char* kTopic = "rt/mrpt_fusion/map_samples";
 /** Keys that a reader keeps: bounds its memory. */
 constexpr int32_t kMostKeys = 100'000;
-/** Time for which a write waits while the link is busy. */
-constexpr dds_duration_t kMostBlocking = DDS_MSECS(50);
+/** Time for which a write waits while the link is busy. Each attempt costs a message. */
+constexpr dds_duration_t kMostBlocking = DDS_SECS(1);
 
 /** Time for which a robot that leaves waits until the others have what it sent last. */
-constexpr dds_duration_t kFarewell = DDS_SECS(3);
+constexpr std::chrono::seconds kFarewell{3};
 
 /** Returns an entity. \exception std::runtime_error If it is an error. */
 dds_entity_t checked(dds_entity_t entity, const char* what) {
@@ -61,12 +68,12 @@ std::string configOf(const DdsSettings& settings) {
       "<FragmentSize>1344B</FragmentSize></General>"
       "<Discovery><ParticipantIndex>auto</ParticipantIndex>"
       "<MaxAutoParticipantIndex>4</MaxAutoParticipantIndex>"
-      "<SPDPInterval>4s</SPDPInterval><LeaseDuration>12s</LeaseDuration>"
+      "<SPDPInterval>8s</SPDPInterval><LeaseDuration>12s</LeaseDuration>"
       "<Peers>" +
       peers +
       "</Peers></Discovery>"
-      "<Internal><NackDelay>1s</NackDelay><HeartbeatInterval>1s</HeartbeatInterval>"
-      "<Watermarks><WhcHigh>4kB</WhcHigh><WhcHighInit>4kB</WhcHighInit><WhcLow>1kB</WhcLow>"
+      "<Internal><NackDelay>1s</NackDelay><HeartbeatInterval min=\"1s\" minsched=\"1s\" max=\"8s\">1s</HeartbeatInterval>"
+      "<Watermarks><WhcHigh>8kB</WhcHigh><WhcHighInit>8kB</WhcHighInit><WhcLow>4kB</WhcLow>"
       "<WhcAdaptive>false</WhcAdaptive></Watermarks></Internal></Domain>";
   if (const char* more = std::getenv("CYCLONEDDS_URI"); more && *more)
     config += std::string(",") + more;
@@ -106,6 +113,81 @@ WireSample wireSample(const SampleKey& key, uint64_t version, const std::string&
   return wire;
 }
 
+/** Writes samples in a thread of its own: a writer waits while too much is not acknowledged. */
+class SampleWriter {
+ public:
+  explicit SampleWriter(dds_entity_t writer) : writer_(writer), thread_([this] { run(); }) {}
+  SampleWriter(const SampleWriter&) = delete;
+  SampleWriter& operator=(const SampleWriter&) = delete;
+  /** Returns when the others have what was sent, or after kFarewell. */
+  ~SampleWriter() {
+    const auto end = std::chrono::steady_clock::now() + kFarewell;
+    {
+      const std::lock_guard lock(mutex_);
+      end_ = end;
+    }
+    changed_.notify_one();
+    thread_.join();
+    const std::chrono::nanoseconds left = end - std::chrono::steady_clock::now();
+    if (left.count() > 0) dds_wait_for_acks(writer_, left.count());
+  }
+
+  /** Takes a sample. \return False if the last one waits still. */
+  bool write(const Sample& sample) {
+    if (isBusy()) return false;
+    put({sample, false});
+    return true;
+  }
+  void forget(const SampleKey& key) { put({{key, 0, {}}, true}); }
+
+ private:
+  struct Task {
+    Sample sample;
+    bool is_obsolete;
+  };
+
+  bool isBusy() {
+    const std::lock_guard lock(mutex_);
+    checked(failure_, "write");
+    return !tasks_.empty();
+  }
+  void put(Task task) {
+    {
+      const std::lock_guard lock(mutex_);
+      tasks_.push_back(std::move(task));
+    }
+    changed_.notify_one();
+  }
+
+  void run() {
+    std::unique_lock lock(mutex_);
+    while (true) {
+      changed_.wait(lock, [&] { return end_ || !tasks_.empty(); });
+      if (tasks_.empty() || (end_ && std::chrono::steady_clock::now() > *end_)) return;
+      const Task& task = tasks_.front();  // put() leaves references valid
+      lock.unlock();
+      const dds_return_t done = perform(task);
+      lock.lock();
+      if (done == DDS_RETCODE_TIMEOUT) continue;
+      failure_ = std::min(failure_, done);
+      tasks_.pop_front();
+    }
+  }
+  dds_return_t perform(const Task& task) const {
+    const Sample& s = task.sample;
+    const WireSample wire = wireSample(s.key, s.version, s.bytes);
+    return task.is_obsolete ? dds_dispose(writer_, &wire) : dds_write(writer_, &wire);
+  }
+
+  dds_entity_t writer_;
+  std::mutex mutex_;  // of all below
+  std::condition_variable changed_;
+  std::deque<Task> tasks_;
+  dds_return_t failure_ = DDS_RETCODE_OK;
+  std::optional<std::chrono::steady_clock::time_point> end_;
+  std::thread thread_;  // the last member: it uses the others
+};
+
 class DdsLink : public Link {
  public:
   explicit DdsLink(const DdsSettings& settings)
@@ -120,7 +202,7 @@ class DdsLink : public Link {
   DdsLink(const DdsLink&) = delete;
   DdsLink& operator=(const DdsLink&) = delete;
   ~DdsLink() override {
-    dds_wait_for_acks(writer_, kFarewell);
+    samples_.reset();
     dds_delete(domain_);
   }
 
@@ -128,18 +210,10 @@ class DdsLink : public Link {
     // Samples that wait here can still be put in order, and do not leave all at once.
     dds_publication_matched_status_t readers{};
     dds_get_publication_matched_status(writer_, &readers);
-    if (readers.current_count == 0) return false;
-    const WireSample wire = wireSample(sample.key, sample.version, sample.bytes);
-    const dds_return_t done = dds_write(writer_, &wire);
-    if (done == DDS_RETCODE_TIMEOUT) return false;
-    checked(done, "write");
-    return true;
+    return readers.current_count > 0 && samples_->write(sample);
   }
 
-  void forget(const SampleKey& key) override {
-    const WireSample wire = wireSample(key, 0, {});
-    dds_dispose(writer_, &wire);  // if the link is busy, robots that come later get the sample, too
-  }
+  void forget(const SampleKey& key) override { samples_->forget(key); }
 
   std::vector<Sample> receive(size_t most) override {
     constexpr size_t kAtATime = 64;
@@ -171,7 +245,11 @@ class DdsLink : public Link {
         checked(dds_create_topic(participant, &mrpt_fusion_msg_dds__MapSample__desc, kTopic,
                                  qos.get(), nullptr),
                 "topic");
+    // A writer that keeps the last sample only never waits for acknowledgements in CycloneDDS. What
+    // robots that come later get is in the durability service.
+    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_ALL, DDS_LENGTH_UNLIMITED);
     writer_ = checked(dds_create_writer(participant, topic, qos.get(), nullptr), "writer");
+    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
     dds_qset_resource_limits(qos.get(), DDS_LENGTH_UNLIMITED, kMostKeys, DDS_LENGTH_UNLIMITED);
     dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
     reader_ = checked(dds_create_reader(participant, topic, qos.get(), nullptr), "reader");
@@ -179,6 +257,7 @@ class DdsLink : public Link {
     const dds_entity_t arrived =
         checked(dds_create_readcondition(reader_, DDS_ANY_STATE), "condition");
     checked(dds_waitset_attach(waitset_, arrived, 0), "waitset");
+    samples_ = std::make_unique<SampleWriter>(writer_);
   }
 
   static Sample sampleOf(const WireSample& wire) {
@@ -190,6 +269,7 @@ class DdsLink : public Link {
   }
 
   dds_entity_t domain_, writer_ = 0, reader_ = 0, waitset_ = 0;
+  std::unique_ptr<SampleWriter> samples_;
 };
 
 }  // namespace
