@@ -15,6 +15,7 @@ namespace mrpt::fusion {
 
 /** Settings of a link over DDS. */
 struct DdsSettings {
+  std::string robot;               ///< Name of this robot
   uint32_t domain = 0;             ///< Number of the domain, 0 to 232: robots of one domain meet
   std::vector<std::string> peers;  ///< Addresses of robots; empty: robots are found by multicast
 };

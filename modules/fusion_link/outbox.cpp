@@ -1,48 +1,98 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Chooses the sample that is sent next. */
+ * Chooses the samples that are sent next. */
 #include "fusion_link/outbox.h"
 
+#include "fusion_link/statements.h"
+
 namespace mrpt::fusion {
+namespace {
+
+/** Size from which no sample is added to a message, bytes: hardly any would fit. */
+constexpr size_t kFullMessageBytes = kMostMessageBytes * 15 / 16;
+
+}  // namespace
 
 void Outbox::put(Sample sample) {
   const Order order = orderOf(sample.key);
-  waiting_.insert_or_assign(order, std::move(sample));
+  samples_.insert_or_assign(order, std::move(sample));
+  for (auto& [name, robot] : robots_)
+    if (robot.is_known) robot.lacking.insert(order);
+}
+
+void Outbox::remove(const SampleKey& key) {
+  samples_.erase(orderOf(key));
+  for (auto& [name, robot] : robots_) robot.lacking.erase(orderOf(key));
+}
+
+void Outbox::state(const std::string& robot, Sample statement) {
+  const Order order = orderOf(statement.key);
+  if (const auto found = robots_.find(robot); found != robots_.end())
+    found->second.statements.insert_or_assign(order, std::move(statement));
+}
+
+void Outbox::setHeld(const std::string& robot, uint64_t complete, const std::set<uint64_t>& marks) {
+  const auto found = robots_.find(robot);
+  if (found == robots_.end()) return;
+  found->second.is_known = true;
+  auto& lacking = found->second.lacking;
+  lacking.clear();
+  for (const auto& [order, sample] : samples_)
+    if (sample.version > complete && marks.count(markOf(sample.key, sample.version)) == 0)
+      lacking.insert(order);
 }
 
 void Outbox::setWanted(const std::string& robot, const std::vector<BlockCode>& blocks) {
-  constexpr size_t kMostRobots = 64;
-  if (wanted_.size() < kMostRobots || wanted_.count(robot) > 0)
-    wanted_[robot] = {blocks.begin(), blocks.end()};
+  if (const auto found = robots_.find(robot); found != robots_.end())
+    found->second.wanted.assign(blocks.begin(), blocks.end());
 }
 
-Outbox::Waiting::iterator Outbox::next() {
-  const auto first = waiting_.begin();
-  if (first == waiting_.end() || first->first.first != SampleKind::Block) return first;
-  // One wish of each robot in turn, starting after the robot that was served last.
-  auto robot = wanted_.upper_bound(last_served_);
-  for (size_t i = 0; i < wanted_.size(); i++, ++robot) {
-    if (robot == wanted_.end()) robot = wanted_.begin();
-    for (auto& wishes = robot->second; !wishes.empty();) {
-      const auto sample = waiting_.find({SampleKind::Block, wishes.front()});
-      if (sample != waiting_.end()) {
-        last_served_ = robot->first;
-        return sample;
-      }
-      wishes.pop_front();  // it was sent
+/** Fills a message with samples of the map, the most wanted first. What does not fit is left for
+ * the next message. \return Keys of the samples. */
+std::set<Outbox::Order> Outbox::fill(std::string& message, const Robot& robot) const {
+  std::set<Order> taken;
+  const auto take = [&](const Order& order) {
+    if (taken.count(order) == 0 && addTo(message, samples_.at(order))) taken.insert(order);
+  };
+  const auto isFull = [&] { return message.size() > kFullMessageBytes; };
+  auto rest = robot.lacking.begin();
+  for (; rest != robot.lacking.end() && rest->first != SampleKind::Block; ++rest) take(*rest);
+  for (const BlockCode code : robot.wanted) {
+    const Order order{SampleKind::Block, code};
+    if (!isFull() && robot.lacking.count(order) > 0) take(order);
+  }
+  for (; rest != robot.lacking.end() && !isFull(); ++rest) take(*rest);
+  return taken;
+}
+
+/** Sends one message. \return False if there is none, or the link is busy. */
+bool Outbox::sendTo(Link& link, const std::string& name, Robot& robot) const {
+  std::string message;
+  auto statement = robot.statements.begin();
+  while (statement != robot.statements.end() && addTo(message, statement->second)) ++statement;
+  // The first message of a session is small: links begin slowly.
+  const std::set<Order> taken = robot.is_new ? std::set<Order>() : fill(message, robot);
+  if (message.empty() || !link.send(name, message)) return false;
+  robot.is_new = false;
+  robot.statements.erase(robot.statements.begin(), statement);
+  for (const Order& order : taken) robot.lacking.erase(order);
+  while (!robot.wanted.empty() &&
+         robot.lacking.count({SampleKind::Block, robot.wanted.front()}) == 0)
+    robot.wanted.pop_front();
+  return true;
+}
+
+void Outbox::sendTo(Link& link) {
+  for (auto& [name, robot] : robots_)
+    while (sendTo(link, name, robot)) {
     }
-  }
-  return first;
 }
 
-size_t Outbox::sendTo(Link& link) {
-  size_t sent = 0;
-  for (auto sample = next(); sample != waiting_.end() && link.send(sample->second);
-       sample = next()) {
-    waiting_.erase(sample);
-    sent++;
-  }
-  return sent;
+size_t Outbox::waiting() const {
+  size_t count = 0;
+  for (const auto& robot : robots_)
+    count += robot.second.statements.size() + robot.second.lacking.size();
+  return count;
 }
 
 }  // namespace mrpt::fusion

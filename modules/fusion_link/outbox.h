@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,35 +17,52 @@
 
 namespace mrpt::fusion {
 
-/** Samples that wait to be sent. What other robots want goes first: their statements decide the
- * order of the blocks. */
+/** What a robot sends to the others: statements, and the samples of its map. Each of the others
+ * gets what it has not, in the order in which it wants it. */
 class Outbox {
  public:
-  /** Adds a sample. It replaces a waiting sample with the same key. */
+  /** Adds a sample of the map. It replaces the sample with the same key. */
   void put(Sample sample);
-  /** Takes a sample back if it is waiting. */
-  void remove(const SampleKey& key) { waiting_.erase(orderOf(key)); }
-  /** Sets the blocks that another robot wants first. */
+  /** Takes a sample of the map out. */
+  void remove(const SampleKey& key);
+
+  /** Begins the session of a robot. The robot gets statements only until setHeld(). */
+  void open(const std::string& robot) { robots_[robot] = {}; }
+  /** Ends the session of a robot. */
+  void close(const std::string& robot) { robots_.erase(robot); }
+  /** Sends a statement to a robot. It replaces a waiting statement with the same key. */
+  void state(const std::string& robot, Sample statement);
+  /** Sets what a robot has of the map: nothing of it is sent again.
+   * \param[in] complete Version that it has as a whole; 0: none.
+   * \param[in] marks Marks of newer samples that it has, see markOf(). */
+  void setHeld(const std::string& robot, uint64_t complete, const std::set<uint64_t>& marks);
+  /** Sets the blocks that a robot wants first. */
   void setWanted(const std::string& robot, const std::vector<BlockCode>& blocks);
 
-  /** Gives samples to a link until it is busy: statements, indices, outlines, then the blocks that
-   * robots want, one for each robot in turn, then all other blocks.
-   * \return Number of samples that were sent. */
-  size_t sendTo(Link& link);
+  /** Gives messages to a link until it is busy. Each robot gets statements, indices, outlines, then
+   * the blocks that it wants, then all other blocks. */
+  void sendTo(Link& link);
 
-  /** Returns the number of waiting samples. */
-  size_t size() const { return waiting_.size(); }
+  /** Returns the number of samples that wait for robots that are there. */
+  size_t waiting() const;
 
  private:
   using Order = std::pair<SampleKind, uint64_t>;
-  using Waiting = std::map<Order, Sample>;
   static Order orderOf(const SampleKey& key) { return {key.kind, key.number}; }
 
-  Waiting::iterator next();
+  struct Robot {
+    bool is_new = true;     // true until the first message
+    bool is_known = false;  // true if it has said what it has
+    std::map<Order, Sample> statements;
+    std::set<Order> lacking;  // samples of the map that it lacks
+    std::deque<BlockCode> wanted;
+  };
 
-  Waiting waiting_;
-  std::map<std::string, std::deque<BlockCode>> wanted_;
-  std::string last_served_;  // robot whose wish came last
+  std::set<Order> fill(std::string& message, const Robot& robot) const;
+  bool sendTo(Link& link, const std::string& name, Robot& robot) const;
+
+  std::map<Order, Sample> samples_;  // of the map
+  std::map<std::string, Robot> robots_;
 };
 
 }  // namespace mrpt::fusion

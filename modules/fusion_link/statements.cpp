@@ -42,52 +42,47 @@ bool isName(std::string_view name) {
          });
 }
 
-std::string toBytes(const std::vector<HeldVersion>& held) {
-  std::string out;
-  for (const HeldVersion& h : held) {
-    std::string entry;
-    appendSource(h.source, entry);
-    appendValue(h.complete, entry);
-    appendValue(h.highest, entry);
-    if (out.size() + entry.size() <= kMostSampleBytes) out += entry;
+uint64_t markOf(const SampleKey& key, uint64_t version) {
+  uint64_t mark = 0;
+  for (const uint64_t value : {static_cast<uint64_t>(key.kind), key.number, version}) {
+    mark = (mark ^ value) * 0x9e3779b97f4a7c15ULL;  // multiplication and shift mix all bits
+    mark ^= mark >> 29U;
   }
+  return mark;
+}
+
+std::string toBytes(const Holdings& holdings) {
+  std::string out;
+  appendValue(holdings.complete, out);
+  appendValue(holdings.highest, out);
+  appendValue(holdings.session, out);
+  appendValue(static_cast<uint8_t>(holdings.asks), out);
+  for (const uint64_t mark : holdings.marks)
+    if (out.size() + sizeof(mark) <= kMostSampleBytes) appendValue(mark, out);
   return out;
 }
 
-std::vector<HeldVersion> heldVersionsOf(std::string_view bytes) {
-  std::vector<HeldVersion> held;
-  for (ByteReader in(bytes); in.size() > 0;) {
-    HeldVersion& h = held.emplace_back();
-    h.source = takeSource(in);
-    h.complete = in.take<uint64_t>();
-    h.highest = in.take<uint64_t>();
-  }
-  return held;
+Holdings holdingsOf(std::string_view bytes) {
+  ByteReader in(bytes);
+  Holdings holdings;
+  holdings.complete = in.take<uint64_t>();
+  holdings.highest = in.take<uint64_t>();
+  holdings.session = in.take<uint64_t>();
+  holdings.asks = in.take<uint8_t>() != 0;
+  while (in.size() > 0) holdings.marks.insert(in.take<uint64_t>());
+  return holdings;
 }
 
-std::string toBytes(const std::vector<WantedBlocks>& wanted) {
+std::string toBytes(const std::vector<BlockCode>& wanted) {
   std::string out;
-  for (const WantedBlocks& w : wanted) {
-    std::string entry;
-    appendSource(w.source, entry);
-    const size_t head = out.size() + entry.size() + sizeof(uint16_t);
-    if (head > kMostSampleBytes) break;
-    const size_t count = std::min(w.blocks.size(), (kMostSampleBytes - head) / sizeof(BlockCode));
-    appendValue(static_cast<uint16_t>(count), entry);
-    for (size_t i = 0; i < count; i++) appendValue(w.blocks[i], entry);
-    out += entry;
-  }
+  for (const BlockCode code : wanted)
+    if (out.size() + sizeof(code) <= kMostSampleBytes) appendValue(code, out);
   return out;
 }
 
-std::vector<WantedBlocks> wantedBlocksOf(std::string_view bytes) {
-  std::vector<WantedBlocks> wanted;
-  for (ByteReader in(bytes); in.size() > 0;) {
-    WantedBlocks& w = wanted.emplace_back();
-    w.source = takeSource(in);
-    const auto count = in.take<uint16_t>();
-    for (unsigned i = 0; i < count; i++) w.blocks.push_back(in.take<BlockCode>());
-  }
+std::vector<BlockCode> wantedBlocksOf(std::string_view bytes) {
+  std::vector<BlockCode> wanted;
+  for (ByteReader in(bytes); in.size() > 0;) wanted.push_back(in.take<BlockCode>());
   return wanted;
 }
 
@@ -113,6 +108,21 @@ Sample sampleOf(std::string_view bytes) {
   if (in.size() > kMostSampleBytes) corrupt("a sample is too large");
   sample.bytes = in.takeBytes(in.size());
   return sample;
+}
+
+bool addTo(std::string& message, const Sample& sample) {
+  const std::string bytes = toBytes(sample);
+  if (message.size() + sizeof(uint16_t) + bytes.size() > kMostMessageBytes) return false;
+  appendValue(static_cast<uint16_t>(bytes.size()), message);
+  message += bytes;
+  return true;
+}
+
+std::vector<Sample> samplesOf(std::string_view message) {
+  std::vector<Sample> samples;
+  for (ByteReader in(message); in.size() > 0;)
+    samples.push_back(sampleOf(in.takeBytes(in.take<uint16_t>())));
+  return samples;
 }
 
 }  // namespace mrpt::fusion

@@ -4,6 +4,7 @@
 #include "fusion_link/team_exchange.h"
 
 #include <algorithm>
+#include <iterator>
 #include <random>
 #include <stdexcept>
 #include <utility>
@@ -13,8 +14,8 @@
 namespace mrpt::fusion {
 namespace {
 
-/** Samples that are taken from the link at a time: bounds the time of a step. */
-constexpr size_t kMostReceived = 256;
+/** Messages that are taken from the link at a time: bounds the time of a step. */
+constexpr size_t kMostReceived = 64;
 
 /** Highest version of its map that a robot believes others to have: there are enough above it. */
 constexpr uint64_t kMostClaim = kMostVersion / 2;
@@ -49,41 +50,107 @@ void TeamExchange::send(const std::vector<Sample>& samples) {
   }
   for (const SampleKey& key : sent_->takeObsolete()) {
     outbox_.remove(key);
-    link_.forget(key);
   }
   if (journal_) journal_->sync();
 }
 
 void TeamExchange::want(const std::vector<WantedBlocks>& wanted) {
-  state(SampleKind::Want, toBytes(wanted));
+  wanted_.clear();
+  for (const WantedBlocks& w : wanted) {
+    const auto map = maps_.find(w.source);
+    if (map == maps_.end() || !w.source.map.empty()) continue;
+    const std::set<BlockCode>& missing = map->second.missing();
+    std::copy_if(w.blocks.begin(), w.blocks.end(), std::back_inserter(wanted_[w.source.robot]),
+                 [&](BlockCode code) { return missing.count(code) > 0; });
+  }
+  for (auto& [robot, peer] : peers_) stateWanted(robot, peer);
 }
 
-void TeamExchange::state(SampleKind kind, std::string value) {
-  auto& [number, last] = stated_[kind];
-  if (value == last) return;
-  last = std::move(value);
-  outbox_.put({{own_, kind, 0}, ++number, last});
+void TeamExchange::stateWanted(const std::string& robot, Peer& peer) {
+  const auto found = wanted_.find(robot);
+  if (found == wanted_.end() || found->second.empty() || found->second == peer.wanted) return;
+  peer.wanted = found->second;
+  state(robot, SampleKind::Want, 0, toBytes(peer.wanted));
+}
+
+/** States what this robot has of the map of another robot, if it is not what was stated last.
+ * \param[in] is_begin True to state all: the other robot may not know what arrived before. */
+void TeamExchange::stateHoldings(const std::string& robot, Peer& peer, bool is_begin) {
+  Holdings holdings;
+  if (is_begin) {
+    holdings.session = peer.session;
+    holdings.asks = peer.heard == 0;
+  }
+  if (const auto map = maps_.find({robot, {}}); map != maps_.end()) {
+    holdings.complete = map->second.completeVersion();
+    holdings.highest = map->second.highestVersion();
+    if (is_begin)
+      for (const Sample& sample : map->second.samples())
+        if (sample.version > holdings.complete)
+          holdings.marks.insert(markOf(sample.key, sample.version));
+  }
+  const auto stated = std::make_pair(holdings.complete, holdings.highest);
+  if (!is_begin && stated == peer.stated) return;
+  peer.stated = stated;
+  state(robot, SampleKind::Have, is_begin ? 0 : 1, toBytes(holdings));
+}
+
+/** States something. Of one kind and number only what was stated last is sent. */
+void TeamExchange::state(const std::string& robot, SampleKind kind, uint64_t number,
+                         std::string value) {
+  outbox_.state(robot, {{own_, kind, number}, 1, std::move(value)});
+}
+
+/** Begins and ends sessions. */
+void TeamExchange::meet() {
+  const auto sessions = link_.sessions();
+  has_twin_ = sessions.count(own_.robot) > 0;
+  for (auto peer = peers_.begin(); peer != peers_.end();) {
+    const auto session = sessions.find(peer->first);
+    const bool lasts = session != sessions.end() && session->second == peer->second.session;
+    if (!lasts) outbox_.close(peer->first);
+    peer = lasts ? std::next(peer) : peers_.erase(peer);
+  }
+  for (const auto& [robot, session] : sessions) {
+    const bool is_allowed = isName(robot) && !robot.empty() && robot != own_.robot;
+    if (!is_allowed || peers_.size() >= limits_.maps || peers_.count(robot) > 0) continue;
+    Peer& peer = peers_[robot];
+    peer.session = session;
+    outbox_.open(robot);
+    stateHoldings(robot, peer, true);
+    stateWanted(robot, peer);
+  }
 }
 
 bool TeamExchange::step() {
-  std::vector<Sample> received = link_.receive(kMostReceived);
-  const auto is_old = [&](const Sample& sample) {
-    try {
-      return !receive(sample);
-    } catch (const std::runtime_error& e) {
-      refused_++;
-      if (reason_.empty()) reason_ = e.what();
-      return true;
-    }
-  };
-  received.erase(std::remove_if(received.begin(), received.end(), is_old), received.end());
+  meet();
+  std::vector<Sample> fresh;
+  for (const std::string& message : link_.receive(kMostReceived)) receive(message, fresh);
   if (journal_)
-    for (const Sample& sample : received) journal_->append(sample);
-  if (!received.empty()) acknowledge();
+    for (const Sample& sample : fresh) journal_->append(sample);
+  if (!fresh.empty()) acknowledge();
   // If this robot was restarted without a journal, the others take only what is newer.
   if (highest_heard_ > sent_->version()) send(sent_->continueAbove(highest_heard_));
   outbox_.sendTo(link_);
-  return !received.empty();
+  return !fresh.empty();
+}
+
+/** Takes the samples of a message. \param[out] fresh Samples of maps that are new are added. */
+void TeamExchange::receive(const std::string& message, std::vector<Sample>& fresh) {
+  const auto refusing = [&](auto&& take) {
+    try {
+      take();
+    } catch (const std::runtime_error& e) {
+      refused_++;
+      if (reason_.empty()) reason_ = e.what();
+    }
+  };
+  refusing([&] {
+    for (Sample& sample : samplesOf(message))
+      refusing([&] {
+        if (receive(sample)) fresh.push_back(std::move(sample));
+      });
+  });
 }
 
 bool TeamExchange::receive(const Sample& sample) {
@@ -114,17 +181,21 @@ bool TeamExchange::keep(const Sample& sample) {
 void TeamExchange::hear(const Sample& statement) {
   const std::string& robot = statement.key.source.robot;
   if (statement.key.kind == SampleKind::Want) {
-    for (const WantedBlocks& wanted : wantedBlocksOf(statement.bytes))
-      if (wanted.source == own_) outbox_.setWanted(robot, wanted.blocks);
+    outbox_.setWanted(robot, wantedBlocksOf(statement.bytes));
     return;
   }
-  for (const HeldVersion& held : heldVersionsOf(statement.bytes)) {
-    if (!(held.source == own_)) continue;
-    if (acknowledged_.size() < limits_.maps || acknowledged_.count(robot) > 0)
-      acknowledged_[robot] = held.complete;
-    if (held.highest > kMostClaim) corrupt("a robot claims a version that is too high");
-    highest_heard_ = std::max(highest_heard_, held.highest);
+  const Holdings held = holdingsOf(statement.bytes);
+  if (acknowledged_.size() < limits_.maps || acknowledged_.count(robot) > 0)
+    acknowledged_[robot] = held.complete;
+  const auto peer = peers_.find(robot);
+  if (peer != peers_.end() && held.session != 0) {
+    // A session that was heard of before: samples are on their way that the robot does not state.
+    if (peer->second.heard != held.session) outbox_.setHeld(robot, held.complete, held.marks);
+    peer->second.heard = held.session;
+    if (held.asks) stateHoldings(robot, peer->second, true);
   }
+  if (held.highest > kMostClaim) corrupt("a robot claims a version that is too high");
+  highest_heard_ = std::max(highest_heard_, held.highest);
 }
 
 void TeamExchange::acknowledge() {
@@ -137,10 +208,7 @@ void TeamExchange::acknowledge() {
       journal_->rewrite(samples);
     }
   }
-  std::vector<HeldVersion> held;
-  for (const auto& [source, map] : maps_)
-    if (!(source == own_)) held.push_back({source, map.completeVersion(), map.highestVersion()});
-  state(SampleKind::Have, toBytes(held));
+  for (auto& [robot, peer] : peers_) stateHoldings(robot, peer, false);
 }
 
 size_t TeamExchange::bytes() const {

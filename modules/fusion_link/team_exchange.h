@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fusion_link/journal.h"
@@ -27,6 +28,9 @@ struct ExchangeLimits {
 
 /** One robot's part of the exchange: it sends what changes in the map of the robot, and collects
  * the maps of the others. What it collects is in the journal before it is acknowledged.
+ *
+ * When a session of two robots begins, each says what it has of the map of the other. So nothing is
+ * sent twice, also after a partition or a restart.
  *
  * One thread uses an exchange at a time. */
 class TeamExchange {
@@ -53,8 +57,10 @@ class TeamExchange {
 
   /** Returns all maps, by their names. That of this robot is one of them; it may be empty. */
   const std::map<SourceName, MapReplica>& maps() const { return maps_; }
-  /** Returns the number of samples that wait to be sent. */
-  size_t waiting() const { return outbox_.size(); }
+  /** Returns the number of samples that wait for robots that are there. */
+  size_t waiting() const { return outbox_.waiting(); }
+  /** True if another robot that is there has the name of this robot. */
+  bool hasTwin() const { return has_twin_; }
   /** Returns the versions that other robots have of this robot's map, by their names. */
   const std::map<std::string, uint64_t>& acknowledged() const { return acknowledged_; }
   /** Returns the number of samples that were refused. */
@@ -63,11 +69,23 @@ class TeamExchange {
   std::string takeReason() { return std::exchange(reason_, {}); }
 
  private:
+  /** What was stated last to a robot that is there. */
+  struct Peer {
+    uint64_t session = 0;
+    uint64_t heard = 0;  // number that it gave to the session when it said what it has
+    std::pair<uint64_t, uint64_t> stated;  // versions of its map, complete and highest
+    std::vector<BlockCode> wanted;         // blocks of its map
+  };
+
+  void meet();
+  void receive(const std::string& message, std::vector<Sample>& fresh);
   bool receive(const Sample& sample);
   bool keep(const Sample& sample);
   void hear(const Sample& statement);
   void send(const std::vector<Sample>& samples);
-  void state(SampleKind kind, std::string value);
+  void state(const std::string& robot, SampleKind kind, uint64_t number, std::string value);
+  void stateHoldings(const std::string& robot, Peer& peer, bool is_begin);
+  void stateWanted(const std::string& robot, Peer& peer);
   void acknowledge();
   size_t bytes() const;
 
@@ -78,9 +96,11 @@ class TeamExchange {
   std::unique_ptr<Journal> journal_;
   std::unique_ptr<SentMap> sent_;  // never null after the construction
   Outbox outbox_;
+  std::map<std::string, Peer> peers_;                     // robots that are there
+  std::map<std::string, std::vector<BlockCode>> wanted_;  // by the robot whose map it is
   std::map<std::string, uint64_t> acknowledged_;
   uint64_t highest_heard_ = 0;  // highest version of this robot's map that others have
-  std::map<SampleKind, std::pair<uint64_t, std::string>> stated_;  // number and value
+  bool has_twin_ = false;
   size_t refused_ = 0;
   std::string reason_;
 };

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <random>
 
+#include "fusion_base/byte_writer.h"
 #include "fusion_link/simulated_network.h"
 #include "support/file_tools.h"
 #include "support/tree_tools.h"
@@ -20,8 +21,8 @@ namespace {
 using Map = std::shared_ptr<const octomap::OcTree>;
 using Port = SimulatedNetwork::Port;
 
-constexpr SimulatedNetwork::Quality kGood{0, 0, 1000};
-constexpr SimulatedNetwork::Quality kBad{0.6, 0.3, 4};
+constexpr SimulatedNetwork::Quality kGood{0, 1000};
+constexpr SimulatedNetwork::Quality kBad{0.6, 4};
 
 /** A map of \a rooms rooms full of clutter. */
 Map clutter(unsigned seed, int rooms) {
@@ -50,7 +51,7 @@ testing::AssertionResult has(const TeamExchange& exchange, const std::string& ro
 struct Robot {
   Robot(SimulatedNetwork& network, const std::string& name, const std::string& journal = {},
         const ExchangeLimits& limits = {})
-      : port(network.connect()), exchange(name, *port, journal, limits) {}
+      : port(network.connect(name)), exchange(name, *port, journal, limits) {}
   std::unique_ptr<Port> port;
   TeamExchange exchange;
 };
@@ -99,6 +100,43 @@ TEST(TeamExchange, MapsMayChangeDuringAPartitionAndALateRobotGetsThemToo) {
   }
 }
 
+TEST(TeamExchange, NothingIsSentTwiceAfterAPartition) {
+  SimulatedNetwork network(14, {0, 1});
+  Robot a(network, "a"), b(network, "b");
+  const Map map = clutter(1, 8);
+  a.exchange.publish(map);
+  size_t all = 0;
+  for (const auto& block : divideIntoBlocks(*map).blocks) all += block.second->size();
+  const auto sent = [&] { return network.bytes(*a.port, *b.port); };
+  for (int partition = 0; partition < 4; partition++) {
+    run(network, {&a, &b}, 4);  // a part of the map arrives
+    EXPECT_FALSE(has(b.exchange, "a", map));
+    network.separate(*a.port, *b.port, true);
+    run(network, {&a, &b}, 20);
+    network.separate(*a.port, *b.port, false);
+  }
+  run(network, {&a, &b}, 50);
+  EXPECT_TRUE(has(b.exchange, "a", map));
+  EXPECT_LT(sent(), all + all / 20 + 4 * kMostMessageBytes);  // what was lost on its way
+  const size_t before = sent();
+  network.separate(*a.port, *b.port, true);
+  run(network, {&a, &b}, 20);
+  network.separate(*a.port, *b.port, false);
+  run(network, {&a, &b}, 20);
+  EXPECT_LT(sent() - before, 200U);  // what the robots have of each other's maps
+}
+
+TEST(TeamExchange, ARobotKnowsThatAnotherHasItsName) {
+  SimulatedNetwork network(15, kGood);
+  Robot a(network, "a"), b(network, "b");
+  run(network, {&a, &b}, 2);
+  EXPECT_FALSE(a.exchange.hasTwin());
+  Robot twin(network, "a");
+  run(network, {&a, &b, &twin}, 2);
+  EXPECT_TRUE(a.exchange.hasTwin() && twin.exchange.hasTwin());
+  EXPECT_FALSE(b.exchange.hasTwin());
+}
+
 TEST(TeamExchange, AStandingRobotSendsNothing) {
   SimulatedNetwork network(3, kGood);
   Robot a(network, "a"), b(network, "b");
@@ -132,7 +170,7 @@ TEST(TeamExchange, AChangeCostsWhatChanged) {
 }
 
 TEST(TeamExchange, WantedBlocksComeFirst) {
-  SimulatedNetwork network(5, {0, 0, 3});
+  SimulatedNetwork network(5, {0, 1});
   Robot a(network, "a"), b(network, "b");
   run(network, {&a, &b}, 3);
   const Map map = clutter(1, 8);
@@ -140,10 +178,10 @@ TEST(TeamExchange, WantedBlocksComeFirst) {
   ASSERT_GT(blocks.blocks.size(), 20U);
   const std::vector<BlockCode> last = {std::prev(blocks.blocks.end())->first,
                                        std::prev(blocks.blocks.end(), 2)->first};
+  a.exchange.publish(map);
+  run(network, {&a, &b}, 2);  // the index has arrived
   b.exchange.want({{{"a", ""}, last}});
   run(network, {&a, &b}, 3);
-  a.exchange.publish(map);
-  run(network, {&a, &b}, 4);
   const MapReplica& replica = b.exchange.maps().at({"a", ""});
   EXPECT_GT(replica.missing().size(), 5U);
   for (const BlockCode code : last) EXPECT_EQ(replica.missing().count(code), 0U) << code;
@@ -177,7 +215,7 @@ TEST(TeamExchange, NoAcknowledgedSampleIsLostWhereverTheJournalIsCut) {
   const std::string journal = folder.path("b"), file = folder.path("b/samples");
   std::vector<std::pair<size_t, size_t>> states;  // bytes of the file, samples acknowledged
   {
-    SimulatedNetwork network(8, {0.3, 0.2, 2});
+    SimulatedNetwork network(8, {0.3, 1});
     Robot a(network, "a"), b(network, "b", journal);
     a.exchange.publish(clutter(1, 3));
     for (int i = 0; i < 60; i++) {
@@ -244,9 +282,9 @@ TEST(TeamExchange, HostileSamplesAreCountedAndMemoryIsBounded) {
   limits.maps = 4;
   limits.bytes_of_map = 300'000;
   limits.bytes = 500'000;
-  SimulatedNetwork network(12, {0, 0, 1'000'000});
+  SimulatedNetwork network(12, {0, 1'000'000});
   Robot a(network, "a", {}, limits), b(network, "b", {}, limits);
-  const auto hostile = network.connect();
+  const auto hostile = network.connect("h0");
   std::mt19937 random(13);
   const std::string block = *divideIntoBlocks(*clutter(1, 1)).blocks.begin()->second;
   for (int i = 0; i < 3000; i++) {
@@ -266,7 +304,12 @@ TEST(TeamExchange, HostileSamplesAreCountedAndMemoryIsBounded) {
     } else {
       s.bytes.assign(100'000, 'x');
     }
-    hostile->send(s);
+    const std::string bytes = toBytes(s).substr(0, kMostMessageBytes - 2);
+    std::string message;
+    appendValue(static_cast<uint16_t>(bytes.size() + random() % 10 / 9), message);
+    message += bytes;
+    hostile->send("a", message);
+    hostile->send("b", message);
   }
   a.exchange.publish(clutter(1, 1));
   b.exchange.publish(clutter(2, 1));

@@ -35,7 +35,7 @@ std::vector<MapSnapshot> snapshotsOf(const TeamExchange& exchange) {
 /** A robot that thinks after each step. */
 struct Robot {
   Robot(SimulatedNetwork& network, const std::string& name)
-      : port(network.connect()), exchange(name, *port), view(name, {}) {}
+      : port(network.connect(name)), exchange(name, *port), view(name, {}) {}
 
   void step() {
     if (exchange.step() || !knowledge) think();
@@ -54,7 +54,7 @@ struct Robot {
 TEST(TeamView, AllRobotsHaveTheFusedMapOfFuseMaps) {
   const std::map<std::string, Map> maps = {
       {"r1", part(0, 70, 0)}, {"r2", part(20, 85, 40)}, {"r3", part(45, 99, -70)}};
-  SimulatedNetwork network(1, {0.5, 0.2, 2});
+  SimulatedNetwork network(1, {0.5, 2});
   std::vector<std::unique_ptr<Robot>> robots;
   for (const char* name : {"r3", "r1", "r2"}) {  // r1 gives the frame, but is not the first
     robots.push_back(std::make_unique<Robot>(network, name));

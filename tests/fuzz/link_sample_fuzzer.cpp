@@ -17,13 +17,14 @@ namespace {
 constexpr size_t kMostBytes = 1'000'000;  // of a map
 
 void take(const Sample& sample, MapReplica& replica) {
-  fuzz::accepts([&] { heldVersionsOf(sample.bytes); });
+  fuzz::accepts([&] { holdingsOf(sample.bytes); });
   fuzz::accepts([&] { wantedBlocksOf(sample.bytes); });
   fuzz::accepts([&] { replica.add(sample); });
   fuzz::require(replica.bytes() <= kMostBytes, "a map has no more bytes than allowed");
 }
 
 void takeAll(std::string_view input) {
+  fuzz::accepts([&] { samplesOf(input); });
   MapReplica replica({"r1", ""}, kMostBytes);
   while (input.size() > sizeof(uint16_t)) {
     fuzz::Input head(reinterpret_cast<const uint8_t*>(input.data()), input.size());
@@ -74,8 +75,8 @@ std::vector<std::string> fuzzSeeds() {
     }
     seeds.push_back(row);
   }
-  const std::vector<HeldVersion> held = {{{"r1", ""}, 1, 2}, {{"r2", "m"}, 3, 4}};
-  const std::vector<WantedBlocks> wanted = {{{"r1", ""}, {1, 8, 9}}};
+  const Holdings held{1, 2, 3, true, {4, 5}};
+  const std::vector<BlockCode> wanted = {1, 8, 9};
   for (const std::string& value : {toBytes(held), toBytes(wanted)}) {
     const std::string bytes = toBytes(Sample{{{"r2", ""}, SampleKind::Have, 0}, 1, value});
     seeds.push_back('\0' + fuzz::Output().put(static_cast<uint16_t>(bytes.size())).bytes() + bytes);

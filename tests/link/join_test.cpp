@@ -186,6 +186,22 @@ TEST_F(Join, AMapFileThatIsDeletedIsNotedOnceAndTheRobotStays) {
   EXPECT_EQ(log().find(note, log().find(note) + 1), std::string::npos) << log();
 }
 
+TEST_F(Join, ARobotWithTheNameOfAnotherLeaves) {
+  if (!connect(2)) GTEST_SKIP() << reason_;
+  start(1, "--quiet");
+  std::this_thread::sleep_for(seconds(12));
+  const auto twin = run("ip netns exec " + prefix() +
+                        "2 timeout 60 " MAP_FUSION " join -q --robot r1 --map r2.ot --domain 7");
+  EXPECT_EQ(twin.code, 1);
+  EXPECT_EQ(twin.err,
+            "map-fusion: another robot of this domain has the name r1: each robot needs a name of "
+            "its own\n");
+  EXPECT_EQ(run("kill -0 $(cat r1.pid)").code, 0);
+  EXPECT_NE(readFile(dir_ / "log1").find("another robot of this domain has the name r1"),
+            std::string::npos)
+      << logs();
+}
+
 TEST_F(Join, BadInputIsOneLine) {
   writeFile(dir_ / "bad.ot", "no map");
   const std::string name(64, 'n');

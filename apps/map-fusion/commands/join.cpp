@@ -45,6 +45,10 @@ constexpr std::chrono::milliseconds kWaiting{100};
 /** As kWaiting, while samples wait to be sent. A busy link waits for itself. */
 constexpr std::chrono::milliseconds kWaitingToSend{10};
 
+/** A robot that finds another robot of its name in this time is the newer of the two, and leaves.
+ */
+constexpr std::chrono::seconds kNewcomer{10};
+
 /** Number of different notes about the maps of others: they may be hostile. */
 constexpr size_t kMostNotes = 100;
 /** Longest time for which a robot that leaves sends what still waits. */
@@ -54,7 +58,7 @@ std::unique_ptr<mrpt::fusion::Link> openLink([[maybe_unused]] const Arguments& a
 #ifdef DDS_MODULE
   const auto open = reinterpret_cast<mrpt::fusion::OpenDdsLink>(
       functionOfModule(DDS_MODULE, mrpt::fusion::kOpenDdsLink, "the link"));
-  return std::unique_ptr<mrpt::fusion::Link>(open({args.domain, args.peers}));
+  return std::unique_ptr<mrpt::fusion::Link>(open({args.robot, args.domain, args.peers}));
 #else
   throw std::runtime_error(
       "join needs CycloneDDS (Debian package cyclonedds-dev), without which this program was "
@@ -94,6 +98,7 @@ class Member {
     do {
       if (live_ && reading_.isDue()) read();
       is_new_ = exchange_.step() || is_new_;
+      if (exchange_.hasTwin()) meetTwin();
       think();
       if (status_.isDue()) tell();
       link_->wait(exchange_.waiting() > 0 ? kWaitingToSend : kWaiting);
@@ -110,6 +115,14 @@ class Member {
   }
 
  private:
+  void meetTwin() {
+    const std::string text =
+        "another robot of this domain has the name " + mrpt::fusion::printable(run_.args.robot);
+    if (Clock::now() - begin_ < kNewcomer)
+      throw std::runtime_error(text + ": each robot needs a name of its own");
+    note(text);
+  }
+
   void read() {
     const auto map = live_->readIfChanged(run_);
     if (!map) return;
@@ -231,6 +244,7 @@ class Member {
   }
 
   RunContext& run_;
+  const Clock::time_point begin_ = Clock::now();
   std::unique_ptr<mrpt::fusion::Link> link_;
   mrpt::fusion::TeamExchange exchange_;
   mrpt::fusion::TeamView view_;  // of the thread that fuses

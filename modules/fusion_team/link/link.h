@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -17,8 +18,8 @@ namespace mrpt::fusion {
 
 /** What a sample holds, in the order in which samples are sent. */
 enum class SampleKind : uint8_t {
-  Have,     ///< Versions of the maps that a robot has
-  Want,     ///< Blocks that a robot wants first
+  Have,     ///< What a robot has of the map of the receiver
+  Want,     ///< Blocks of the map of the receiver that a robot wants first
   Index,    ///< Piece of the list of the blocks of a map
   Outline,  ///< Piece of the outline of a map
   Block     ///< Block of a map
@@ -45,29 +46,34 @@ struct Sample {
   std::string bytes;     ///< Value, at most kMostSampleBytes
 };
 
-/** Largest size of the value of a sample, bytes. Larger messages are lost as a whole if one of
- * their packets is lost, on some transports. */
+/** Largest size of the value of a sample, bytes. */
 constexpr size_t kMostSampleBytes = 8000;
 /** Largest number of characters of the name of a robot or of a map. */
 constexpr size_t kMostNameCharacters = 63;
 
-/** A link to the other robots. It may lose, repeat and reorder samples for a while, but brings the
- * latest sample of each key to each robot that stays connected for long enough. A robot that comes
- * later gets the latest sample of each key, too.
+/** Largest size of a message, bytes: one sample of any size, or several. */
+constexpr size_t kMostMessageBytes = 8192;
+
+/** A link to the other robots. It brings messages to one robot at a time.
+ *
+ * A robot that is there has a session. What is sent to a robot arrives once and in order as long as
+ * the session lasts. If the session ends, messages may be lost. A robot that comes back has another
+ * session. The two robots may not agree on when a session ended.
  *
  * One thread uses a link at a time. */
 class Link {
  public:
   virtual ~Link() = default;
-  /** Sends a sample to all robots. It replaces the sample with the same key.
-   * \return False if the link is busy: nothing is sent, try again later. */
-  virtual bool send(const Sample& sample) = 0;
-  /** Ends the sending of a sample that is obsolete. Robots that have it are not told. */
-  virtual void forget(const SampleKey& key) = 0;
-  /** Returns samples that have arrived, at most \a most. The samples come from outside: their
-   * names, sizes and values may be anything. */
-  virtual std::vector<Sample> receive(size_t most) = 0;
-  /** Waits until samples arrive, or for a time. */
+  /** Returns the robots that are there, by their names, with the numbers of their sessions. The
+   * names come from outside: they may be anything, also the name of this robot. */
+  virtual std::map<std::string, uint64_t> sessions() = 0;
+  /** Sends a message to a robot. \param[in] message At most kMostMessageBytes.
+   * \return False if the link is busy or the robot has gone: nothing is sent, try again later. */
+  virtual bool send(const std::string& robot, const std::string& message) = 0;
+  /** Returns messages that have arrived, at most \a most. They come from outside: they may be
+   * anything. */
+  virtual std::vector<std::string> receive(size_t most) = 0;
+  /** Waits until messages arrive, or for a time. */
   virtual void wait(std::chrono::milliseconds most) = 0;
 };
 
