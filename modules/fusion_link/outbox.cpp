@@ -3,13 +3,15 @@
  * Chooses the samples that are sent next. */
 #include "fusion_link/outbox.h"
 
-#include "fusion_link/statements.h"
+#include <utility>
 
 namespace mrpt::fusion {
 namespace {
 
+/** Largest size of a message with several samples, bytes: 6 packets of the link over DDS. */
+constexpr size_t kGoodMessageBytes = 6 * 1344 - 8;
 /** Size from which no sample is added to a message, bytes: hardly any would fit. */
-constexpr size_t kFullMessageBytes = kMostMessageBytes * 15 / 16;
+constexpr size_t kFullMessageBytes = kGoodMessageBytes * 15 / 16;
 
 }  // namespace
 
@@ -42,26 +44,36 @@ void Outbox::setHeld(const std::string& robot, uint64_t complete, const std::set
       lacking.insert(order);
 }
 
-void Outbox::setWanted(const std::string& robot, const std::vector<BlockCode>& blocks) {
-  if (const auto found = robots_.find(robot); found != robots_.end())
-    found->second.wanted.assign(blocks.begin(), blocks.end());
+void Outbox::setWanted(const std::string& robot, const WantedBlocks& wanted) {
+  if (const auto found = robots_.find(robot); found != robots_.end()) found->second.wanted = wanted;
 }
 
-/** Fills a message with samples of the map, the most wanted first. What does not fit is left for
- * the next message. \return Keys of the samples. */
+/** Calls f(order) for all samples that a robot lacks and wants, some of them twice, until it
+ * returns false. */
+template <class F>
+void Outbox::forEachInOrder(const Robot& robot, F&& f) {
+  const auto blocks = robot.lacking.lower_bound({SampleKind::Block, 0});
+  for (auto sample = blocks; sample != robot.lacking.begin();)
+    if (!f(*--sample)) return;
+  for (const BlockCode code : robot.wanted.blocks)
+    if (const Order order{SampleKind::Block, code}; robot.lacking.count(order) > 0 && !f(order))
+      return;
+  if (robot.wanted.no_others) return;
+  for (auto block = blocks; block != robot.lacking.end(); ++block)
+    if (!f(*block)) return;
+}
+
+/** Fills a message with samples of the map, the most wanted first. A block that does not fit is
+ * left for the next message. \return Keys of the samples. */
 std::set<Outbox::Order> Outbox::fill(std::string& message, const Robot& robot) const {
   std::set<Order> taken;
-  const auto take = [&](const Order& order) {
-    if (taken.count(order) == 0 && addTo(message, samples_.at(order))) taken.insert(order);
-  };
-  const auto isFull = [&] { return message.size() > kFullMessageBytes; };
-  auto rest = robot.lacking.begin();
-  for (; rest != robot.lacking.end() && rest->first != SampleKind::Block; ++rest) take(*rest);
-  for (const BlockCode code : robot.wanted) {
-    const Order order{SampleKind::Block, code};
-    if (!isFull() && robot.lacking.count(order) > 0) take(order);
-  }
-  for (; rest != robot.lacking.end() && !isFull(); ++rest) take(*rest);
+  forEachInOrder(robot, [&](const Order& order) {
+    if (taken.count(order) > 0) return true;
+    const size_t most = message.empty() ? kMostMessageBytes : kGoodMessageBytes;
+    if (!addTo(message, samples_.at(order), most)) return order.first == SampleKind::Block;
+    taken.insert(order);
+    return message.size() <= kFullMessageBytes;
+  });
   return taken;
 }
 
@@ -76,9 +88,6 @@ bool Outbox::sendTo(Link& link, const std::string& name, Robot& robot) const {
   robot.is_new = false;
   robot.statements.erase(robot.statements.begin(), statement);
   for (const Order& order : taken) robot.lacking.erase(order);
-  while (!robot.wanted.empty() &&
-         robot.lacking.count({SampleKind::Block, robot.wanted.front()}) == 0)
-    robot.wanted.pop_front();
   return true;
 }
 
@@ -88,11 +97,16 @@ void Outbox::sendTo(Link& link) {
     }
 }
 
-size_t Outbox::waiting() const {
-  size_t count = 0;
-  for (const auto& robot : robots_)
-    count += robot.second.statements.size() + robot.second.lacking.size();
-  return count;
+bool Outbox::isWaiting() const {
+  bool is_waiting = false;
+  for (const auto& [name, robot] : robots_) {
+    is_waiting = is_waiting || !robot.statements.empty();
+    forEachInOrder(robot, [&](const Order&) {
+      is_waiting = true;
+      return false;
+    });
+  }
+  return is_waiting;
 }
 
 }  // namespace mrpt::fusion

@@ -2,14 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <set>
 #include <string>
 #include <utility>
-#include <vector>
 
-#include "fusion_link/map_blocks.h"
+#include "fusion_link/statements.h"
 #include "fusion_team/link/link.h"
 
 /** \file
@@ -36,15 +34,16 @@ class Outbox {
    * \param[in] complete Version that it has as a whole; 0: none.
    * \param[in] marks Marks of newer samples that it has, see markOf(). */
   void setHeld(const std::string& robot, uint64_t complete, const std::set<uint64_t>& marks);
-  /** Sets the blocks that a robot wants first. */
-  void setWanted(const std::string& robot, const std::vector<BlockCode>& blocks);
+  /** Sets the blocks that a robot wants first, and whether it wants others. */
+  void setWanted(const std::string& robot, const WantedBlocks& wanted);
 
-  /** Gives messages to a link until it is busy. Each robot gets statements, indices, outlines, then
-   * the blocks that it wants, then all other blocks. */
+  /** Gives messages to a link until it is busy. Each robot gets statements, outlines, indices, then
+   * the blocks that it wants, then all other blocks. An index comes last before the blocks: who has
+   * it has the outline, if there is one. */
   void sendTo(Link& link);
 
-  /** Returns the number of samples that wait for robots that are there. */
-  size_t waiting() const;
+  /** Returns true if something waits for a robot that is there and wants it. */
+  bool isWaiting() const;
 
  private:
   using Order = std::pair<SampleKind, uint64_t>;
@@ -55,9 +54,11 @@ class Outbox {
     bool is_known = false;  // true if it has said what it has
     std::map<Order, Sample> statements;
     std::set<Order> lacking;  // samples of the map that it lacks
-    std::deque<BlockCode> wanted;
+    WantedBlocks wanted;
   };
 
+  template <class F>
+  static void forEachInOrder(const Robot& robot, F&& f);
   std::set<Order> fill(std::string& message, const Robot& robot) const;
   bool sendTo(Link& link, const std::string& name, Robot& robot) const;
 

@@ -73,16 +73,19 @@ Holdings holdingsOf(std::string_view bytes) {
   return holdings;
 }
 
-std::string toBytes(const std::vector<BlockCode>& wanted) {
+std::string toBytes(const WantedBlocks& wanted) {
   std::string out;
-  for (const BlockCode code : wanted)
+  appendValue(static_cast<uint8_t>(wanted.no_others), out);
+  for (const BlockCode code : wanted.blocks)
     if (out.size() + sizeof(code) <= kMostSampleBytes) appendValue(code, out);
   return out;
 }
 
-std::vector<BlockCode> wantedBlocksOf(std::string_view bytes) {
-  std::vector<BlockCode> wanted;
-  for (ByteReader in(bytes); in.size() > 0;) wanted.push_back(in.take<BlockCode>());
+WantedBlocks wantedBlocksOf(std::string_view bytes) {
+  WantedBlocks wanted;
+  ByteReader in(bytes);
+  wanted.no_others = in.take<uint8_t>() != 0;
+  while (in.size() > 0) wanted.blocks.push_back(in.take<BlockCode>());
   return wanted;
 }
 
@@ -110,9 +113,9 @@ Sample sampleOf(std::string_view bytes) {
   return sample;
 }
 
-bool addTo(std::string& message, const Sample& sample) {
+bool addTo(std::string& message, const Sample& sample, size_t most) {
   const std::string bytes = toBytes(sample);
-  if (message.size() + sizeof(uint16_t) + bytes.size() > kMostMessageBytes) return false;
+  if (message.size() + sizeof(uint16_t) + bytes.size() > most) return false;
   appendValue(static_cast<uint16_t>(bytes.size()), message);
   message += bytes;
   return true;

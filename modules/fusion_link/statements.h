@@ -33,16 +33,18 @@ std::string toBytes(const Holdings& holdings);
 /** Inverts toBytes(). \exception std::runtime_error If the data is damaged. */
 Holdings holdingsOf(std::string_view bytes);
 
-/** The blocks of a map that a robot wants first, the most wanted block first. */
+/** The blocks of a map that a robot wants first. */
 struct WantedBlocks {
   SourceName source;              ///< The map
-  std::vector<BlockCode> blocks;  ///< Numbers of the blocks
+  std::vector<BlockCode> blocks;  ///< Numbers of the blocks, the most wanted block first
+  bool no_others = false;         ///< True if the robot wants no other blocks for now
 };
 
-/** Returns the value of a sample of SampleKind::Want. What does not fit is left out. */
-std::string toBytes(const std::vector<BlockCode>& wanted);
+/** Returns the value of a sample of SampleKind::Want, without the source. What does not fit is left
+ * out. */
+std::string toBytes(const WantedBlocks& wanted);
 /** Inverts toBytes(). \exception std::runtime_error If the data is damaged. */
-std::vector<BlockCode> wantedBlocksOf(std::string_view bytes);
+WantedBlocks wantedBlocksOf(std::string_view bytes);
 
 /** True if a name may be the name of a robot or of a map: at most kMostNameCharacters, none of
  * which controls a terminal. */
@@ -54,8 +56,9 @@ std::string toBytes(const Sample& sample);
 Sample sampleOf(std::string_view bytes);
 
 /** Adds a sample to a message.
+ * \param[in] most Largest size of the message, bytes.
  * \return False if it does not fit: the message is as before. */
-bool addTo(std::string& message, const Sample& sample);
+bool addTo(std::string& message, const Sample& sample, size_t most = kMostMessageBytes);
 /** Returns the samples of a message. \exception std::runtime_error If the message is damaged. */
 std::vector<Sample> samplesOf(std::string_view message);
 

@@ -59,18 +59,26 @@ void TeamExchange::want(const std::vector<WantedBlocks>& wanted) {
   for (const WantedBlocks& w : wanted) {
     const auto map = maps_.find(w.source);
     if (map == maps_.end() || !w.source.map.empty()) continue;
-    const std::set<BlockCode>& missing = map->second.missing();
-    std::copy_if(w.blocks.begin(), w.blocks.end(), std::back_inserter(wanted_[w.source.robot]),
-                 [&](BlockCode code) { return missing.count(code) > 0; });
+    WantedBlocks missing{w.source, {}, w.no_others};
+    std::copy_if(w.blocks.begin(), w.blocks.end(), std::back_inserter(missing.blocks),
+                 [&](BlockCode code) { return map->second.missing().count(code) > 0; });
+    wanted_[w.source.robot] = std::move(missing);
   }
-  for (auto& [robot, peer] : peers_) stateWanted(robot, peer);
+  for (auto& [robot, peer] : peers_)
+    if (const auto found = wanted_.find(robot); found != wanted_.end())
+      stateWanted(robot, peer, found->second);
 }
 
-void TeamExchange::stateWanted(const std::string& robot, Peer& peer) {
-  const auto found = wanted_.find(robot);
-  if (found == wanted_.end() || found->second.empty() || found->second == peer.wanted) return;
-  peer.wanted = found->second;
-  state(robot, SampleKind::Want, 0, toBytes(peer.wanted));
+/** States what this robot wants of another robot, if what was stated last does not say it. */
+void TeamExchange::stateWanted(const std::string& robot, Peer& peer, const WantedBlocks& wanted) {
+  auto stated = peer.wanted.blocks.begin();
+  const bool is_said = std::all_of(wanted.blocks.begin(), wanted.blocks.end(), [&](BlockCode code) {
+    stated = std::find(stated, peer.wanted.blocks.end(), code);
+    return stated != peer.wanted.blocks.end();
+  });
+  if (is_said && wanted.no_others == peer.wanted.no_others) return;
+  peer.wanted = wanted;
+  state(robot, SampleKind::Want, 0, toBytes(wanted));
 }
 
 /** States what this robot has of the map of another robot, if it is not what was stated last.
@@ -118,7 +126,9 @@ void TeamExchange::meet() {
     peer.session = session;
     outbox_.open(robot);
     stateHoldings(robot, peer, true);
-    stateWanted(robot, peer);
+    const auto wanted = wanted_.find(robot);
+    const bool is_new = wanted == wanted_.end();
+    stateWanted(robot, peer, is_new ? WantedBlocks{{}, {}, asks_for_outlines_} : wanted->second);
   }
 }
 
@@ -192,7 +202,10 @@ void TeamExchange::hear(const Sample& statement) {
     // A session that was heard of before: samples are on their way that the robot does not state.
     if (peer->second.heard != held.session) outbox_.setHeld(robot, held.complete, held.marks);
     peer->second.heard = held.session;
-    if (held.asks) stateHoldings(robot, peer->second, true);
+    if (held.asks) {  // it may not have heard what was stated before
+      stateHoldings(robot, peer->second, true);
+      state(robot, SampleKind::Want, 0, toBytes(peer->second.wanted));
+    }
   }
   if (held.highest > kMostClaim) corrupt("a robot claims a version that is too high");
   highest_heard_ = std::max(highest_heard_, held.highest);

@@ -48,6 +48,9 @@ class TeamExchange {
    * \param[in] map The map. It must not change afterwards. \exception std::exception See
    * SentMap::update(). */
   void publish(std::shared_ptr<const octomap::OcTree> map);
+  /** Asks robots that come, and whose maps are not known, for their outlines only, until want()
+   * asks for more. */
+  void askForOutlinesFirst() { asks_for_outlines_ = true; }
   /** Asks for the blocks that the robot wants first. */
   void want(const std::vector<WantedBlocks>& wanted);
   /** Receives what has arrived, and sends what the link takes.
@@ -57,8 +60,8 @@ class TeamExchange {
 
   /** Returns all maps, by their names. That of this robot is one of them; it may be empty. */
   const std::map<SourceName, MapReplica>& maps() const { return maps_; }
-  /** Returns the number of samples that wait for robots that are there. */
-  size_t waiting() const { return outbox_.waiting(); }
+  /** Returns true if something waits for a robot that is there and wants it. */
+  bool isWaiting() const { return outbox_.isWaiting(); }
   /** True if another robot that is there has the name of this robot. */
   bool hasTwin() const { return has_twin_; }
   /** Returns the versions that other robots have of this robot's map, by their names. */
@@ -74,7 +77,7 @@ class TeamExchange {
     uint64_t session = 0;
     uint64_t heard = 0;  // number that it gave to the session when it said what it has
     std::pair<uint64_t, uint64_t> stated;  // versions of its map, complete and highest
-    std::vector<BlockCode> wanted;         // blocks of its map
+    WantedBlocks wanted;                   // stated last; nothing was stated: all blocks
   };
 
   void meet();
@@ -85,7 +88,7 @@ class TeamExchange {
   void send(const std::vector<Sample>& samples);
   void state(const std::string& robot, SampleKind kind, uint64_t number, std::string value);
   void stateHoldings(const std::string& robot, Peer& peer, bool is_begin);
-  void stateWanted(const std::string& robot, Peer& peer);
+  void stateWanted(const std::string& robot, Peer& peer, const WantedBlocks& wanted);
   void acknowledge();
   size_t bytes() const;
 
@@ -96,8 +99,9 @@ class TeamExchange {
   std::unique_ptr<Journal> journal_;
   std::unique_ptr<SentMap> sent_;  // never null after the construction
   Outbox outbox_;
-  std::map<std::string, Peer> peers_;                     // robots that are there
-  std::map<std::string, std::vector<BlockCode>> wanted_;  // by the robot whose map it is
+  std::map<std::string, Peer> peers_;           // robots that are there
+  std::map<std::string, WantedBlocks> wanted_;  // by the robot whose map it is
+  bool asks_for_outlines_ = false;
   std::map<std::string, uint64_t> acknowledged_;
   uint64_t highest_heard_ = 0;  // highest version of this robot's map that others have
   bool has_twin_ = false;

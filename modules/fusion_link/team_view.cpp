@@ -19,6 +19,9 @@ namespace {
 /** A part of a map is fused anew when its bytes have grown by this factor. */
 constexpr double kGrowthOfPart = 1.25;
 
+/** Blocks that are wanted at a time until a map has joined: a share of the map, but not too few. */
+constexpr size_t kPortions = 8, kFewBlocks = 3;
+
 /** Largest number of nodes of all maps of a team: 20 large buildings, and about 1 GB. */
 constexpr size_t kMostTeamNodes = 20'000'000;
 
@@ -30,6 +33,13 @@ size_t bytesOf(const MapBlocks& blocks) {
   size_t bytes = 0;
   for (const auto& block : blocks.blocks) bytes += block.second->size();
   return bytes;
+}
+
+/** Returns the member of a team with a name if it has joined; null if there is none. */
+const FusionMember* joinedMember(const std::string& name, const TeamState& state) {
+  for (const FusionMember& member : state.members)
+    if (member.robot == name && member.joined) return &member;
+  return nullptr;
 }
 
 }  // namespace
@@ -44,52 +54,68 @@ MapSnapshot::MapSnapshot(const MapReplica& map)
 TeamKnowledge TeamView::update(const std::vector<MapSnapshot>& snapshots) {
   TeamKnowledge result;
   std::vector<std::string> changed;
-  for (const MapSnapshot& s : snapshots) {
-    const std::string name = nameOf(s.source);
+  const auto noting = [&](const MapSnapshot& s, auto&& act) {
     try {
-      if (take(s, known_[name])) changed.push_back(name);
+      act();
     } catch (const std::exception& e) {
-      result.notes.push_back(name + ": " + messageOf(e));
+      result.notes.push_back(nameOf(s.source) + ": " + messageOf(e));
     }
-  }
+  };
+  const auto look = [&](const MapSnapshot& s) {
+    const std::string name = nameOf(s.source);
+    noting(s, [&] { meet(s, known_[name]); });
+    noting(s, [&] {
+      if (take(s, known_[name])) changed.push_back(name);
+    });
+  };
+  for (const bool is_own : {true, false})  // the others meet the own map
+    for (const MapSnapshot& s : snapshots)
+      if ((nameOf(s.source) == own_) == is_own) look(s);
   for (const std::string& name : changed) team_->set(*known_[name].map);
   if (const auto robots = team_->robots(); !std::is_sorted(robots.begin(), robots.end())) rebuild();
-  for (const MapSnapshot& s : snapshots) {
-    const std::string name = nameOf(s.source);
-    try {
-      meet(s, known_[name]);
-    } catch (const std::exception& e) {
-      result.notes.push_back(name + ": " + messageOf(e));
-    }
-  }
   try {
     result.state = team_->state();
+    for (const FusionMember& member : result.state->members) {
+      const Known& known = known_.at(member.robot);
+      result.maps.push_back(*known.map);
+      result.whole_maps += known.version > 0 ? 1 : 0;
+      if (known.version == 0) result.parts[member.robot] = known.bytes;
+    }
   } catch (const std::exception& e) {
     result.notes.push_back(messageOf(e));
-    return result;
-  }
-  for (const FusionMember& member : result.state->members) {
-    const Known& known = known_.at(member.robot);
-    result.maps.push_back(*known.map);
-    result.whole_maps += known.version > 0 ? 1 : 0;
-    if (known.version == 0) result.parts[member.robot] = known.bytes;
   }
   for (const MapSnapshot& s : snapshots) {
-    const std::string name = nameOf(s.source);
-    const Known& known = known_.at(name);
-    if (known.version > 0 || !s.index || !s.outline || name == own_) continue;
-    if (known.meeting) result.meetings.push_back(*known.meeting);
-    const auto pose = poseInOwn(name, known, *result.state);
-    if (!pose) continue;
-    try {
-      const auto outline = outlineFrom(*s.outline);
-      const octomap::OcTree& own = *known_.at(own_).map->map.octree();
-      result.wanted.push_back({s.source, blocksOfOverlap(*s.index, *outline, own, *pose)});
-    } catch (const std::exception& e) {
-      result.notes.push_back(name + ": " + messageOf(e));
-    }
+    const Known& known = known_.at(nameOf(s.source));
+    if (nameOf(s.source) == own_) continue;
+    if (known.version == 0 && known.meeting) result.meetings.push_back(*known.meeting);
+    WantedBlocks all{s.source, {}, false};
+    noting(s, [&] { all = wantedOf(s, result); });
+    result.wanted.push_back(std::move(all));
   }
   return result;
+}
+
+/** Returns what is wanted of a map: blocks of the overlap, no others until the map has joined. */
+WantedBlocks TeamView::wantedOf(const MapSnapshot& s, const TeamKnowledge& knowledge) const {
+  WantedBlocks wanted{s.source, {}, false};
+  const Known& known = known_.at(nameOf(s.source));
+  const auto own = known_.find(own_);
+  if (known.version > 0 || own == known_.end() || !own->second.map || !knowledge.state)
+    return wanted;
+  wanted.no_others = !s.index;  // index and outline are on their way
+  if (!s.index || !s.outline) return wanted;
+  const auto pose = poseInOwn(nameOf(s.source), known, *knowledge.state);
+  if (!pose) return wanted;
+  const auto outline = outlineFrom(*s.outline);
+  wanted.blocks = blocksOfOverlap(*s.index, *outline, *own->second.map->map.octree(), *pose);
+  if (joinedMember(nameOf(s.source), *knowledge.state)) return wanted;
+  const auto is_here = [&](BlockCode code) { return s.blocks->blocks.count(code) > 0; };
+  wanted.blocks.erase(std::remove_if(wanted.blocks.begin(), wanted.blocks.end(), is_here),
+                      wanted.blocks.end());
+  wanted.no_others = !wanted.blocks.empty();
+  const size_t few = std::max<size_t>(kFewBlocks, s.index->blocks.size() / kPortions);
+  if (wanted.blocks.size() > few) wanted.blocks.resize(few);
+  return wanted;
 }
 
 /** Takes a map over if it is complete and new, or if much more of it has arrived.
@@ -109,6 +135,10 @@ bool TeamView::take(const MapSnapshot& s, Known& known) {
   known.version = s.complete_version;
   known.map = RobotMap{nameOf(s.source),
                        map.withSources({{s.source.robot, s.source.map, known.version, 0}})};
+  // A part has many places where it may be. The outline says where to look first. A whole map is
+  // matched as others match it who have not seen the outline.
+  if (known.version == 0 && known.meeting)
+    known.map->guesses = {{own_, Prior::near(toPose(known.meeting->T_own_other))}};
   return true;
 }
 
@@ -140,14 +170,9 @@ void TeamView::meet(const MapSnapshot& s, Known& known) {
 /** Returns the pose of another map's frame in the frame of the own map, if there is one. */
 std::optional<Eigen::Isometry3d> TeamView::poseInOwn(const std::string& robot, const Known& known,
                                                      const TeamState& state) const {
-  const auto member = [&](const std::string& name) {
-    return std::find_if(state.members.begin(), state.members.end(),
-                        [&](const FusionMember& m) { return m.robot == name && m.joined; });
-  };
-  const auto own = member(own_), other = member(robot);
-  if (own == state.members.end()) return std::nullopt;
-  if (other != state.members.end())
-    return toEigen(own->pose.mean).inverse() * toEigen(other->pose.mean);
+  const FusionMember* own = joinedMember(own_, state);
+  const FusionMember* other = joinedMember(robot, state);
+  if (own && other) return toEigen(own->pose.mean).inverse() * toEigen(other->pose.mean);
   if (known.meeting) return known.meeting->T_own_other;
   return std::nullopt;
 }

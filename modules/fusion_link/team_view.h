@@ -45,7 +45,7 @@ struct TeamKnowledge {
       state;                            ///< Fused map and members; its map is null if there is none
   std::vector<RobotMap> maps;           ///< Maps of the state, in the order of its members
   std::vector<Meeting> meetings;        ///< Robots of which only the outline is known
-  std::vector<WantedBlocks> wanted;     ///< Blocks in which the maps overlap
+  std::vector<WantedBlocks> wanted;     ///< What is wanted of each other map
   std::vector<std::string> notes;       ///< What went wrong
   std::map<std::string, size_t> parts;  ///< Bytes of the maps of the state that are not whole
   size_t whole_maps = 0;                ///< Number of maps that are in the state as a whole
@@ -57,8 +57,10 @@ struct TeamKnowledge {
  * have the same fused map, bit for bit, in the frame of the first robot by name. It is that of
  * fuseMaps() with the maps in this order.
  *
- * A map of which only some blocks have arrived is fused as far as it is known. An older version
- * that is complete stays until the newer version is complete. */
+ * A map of which only some blocks have arrived is fused as far as it is known. The outline says
+ * where it may be, and which blocks overlap with the own map. These are wanted first, and few at a
+ * time, until the part has joined. An older version that is complete stays until the newer version
+ * is complete. */
 class TeamView {
  public:
   /** \param[in] own Name of this robot; its map, if it has one, is the reference of meetings.
@@ -87,6 +89,7 @@ class TeamView {
   void meet(const MapSnapshot& snapshot, Known& known);
   std::optional<Eigen::Isometry3d> poseInOwn(const std::string& robot, const Known& known,
                                              const TeamState& state) const;
+  WantedBlocks wantedOf(const MapSnapshot& snapshot, const TeamKnowledge& knowledge) const;
   void rebuild();
 
   std::string own_;

@@ -164,7 +164,9 @@ TEST(TeamView, ADamagedOutlineIsNoted) {
   ASSERT_EQ(known.state->members.size(), 2U);
   EXPECT_TRUE(known.state->members[1].joined);
   EXPECT_FALSE(known.notes.empty());
-  EXPECT_TRUE(known.wanted.empty());
+  ASSERT_EQ(known.wanted.size(), 1U);
+  EXPECT_TRUE(known.wanted[0].blocks.empty());
+  EXPECT_FALSE(known.wanted[0].no_others);
 }
 
 TEST(TeamView, MapsWithTooManyNodesAreNotedAndLeftOut) {

@@ -89,7 +89,9 @@ class Member {
         link_(openLink(run.args)),
         exchange_(run.args.robot, *link_, run.args.journal),
         view_(run.args.robot, run.options) {
-    if (!run.args.maps.empty()) live_.emplace(run.args.maps.front());
+    if (run.args.maps.empty()) return;
+    live_.emplace(run.args.maps.front());
+    exchange_.askForOutlinesFirst();
   }
 
   /** Stays in the team until the arguments or a signal say so. */
@@ -101,7 +103,7 @@ class Member {
       if (exchange_.hasTwin()) meetTwin();
       think();
       if (status_.isDue()) tell();
-      link_->wait(exchange_.waiting() > 0 ? kWaitingToSend : kWaiting);
+      link_->wait(exchange_.isWaiting() ? kWaitingToSend : kWaiting);
     } while (!stopWanted() && !isComplete() && (run_.args.seconds <= 0 || Clock::now() < end));
     if (thinking_.valid()) take(thinking_.get());
     if (isComplete()) sayFarewell();
@@ -196,7 +198,7 @@ class Member {
   /** Sends what still waits, as what this robot has. If nobody is there, it soon gives up. */
   void sayFarewell() {
     const auto end = Clock::now() + kFarewell;
-    while (exchange_.waiting() > 0 && Clock::now() < end) {
+    while (exchange_.isWaiting() && Clock::now() < end) {
       exchange_.step();
       link_->wait(kWaitingToSend);
     }
