@@ -16,8 +16,9 @@
 namespace mrpt::fusion {
 namespace {
 
-/** A part of a map is fused anew when its bytes have grown by this factor. */
-constexpr double kGrowthOfPart = 1.25;
+/** A part of a map is fused anew when its bytes have grown by this factor. Once it has joined, it
+ * can wait longer. */
+constexpr double kGrowthOfPart = 1.25, kGrowthOfJoinedPart = 2;
 
 /** Blocks that are wanted at a time until a map has joined: a share of the map, but not too few. */
 constexpr size_t kPortions = 8, kFewBlocks = 3;
@@ -76,7 +77,8 @@ TeamKnowledge TeamView::update(const std::vector<MapSnapshot>& snapshots) {
   try {
     result.state = team_->state();
     for (const FusionMember& member : result.state->members) {
-      const Known& known = known_.at(member.robot);
+      Known& known = known_.at(member.robot);
+      known.has_joined = member.joined;
       result.maps.push_back(*known.map);
       result.whole_maps += known.version > 0 ? 1 : 0;
       if (known.version == 0) result.parts[member.robot] = known.bytes;
@@ -124,8 +126,8 @@ bool TeamView::take(const MapSnapshot& s, Known& known) {
   if (!s.blocks || s.blocks->blocks.empty()) return false;
   if (s.complete_version > 0 ? s.complete_version == known.tried : known.version > 0) return false;
   const size_t bytes = bytesOf(*s.blocks);
-  if (s.complete_version == 0 && static_cast<double>(bytes) < kGrowthOfPart * known.bytes)
-    return false;
+  const double growth = known.has_joined ? kGrowthOfJoinedPart : kGrowthOfPart;
+  if (s.complete_version == 0 && static_cast<double>(bytes) < growth * known.bytes) return false;
   known.bytes = bytes;
   known.tried = s.complete_version;
   const std::shared_ptr<const octomap::OcTree> tree = joinBlocks(*s.blocks);

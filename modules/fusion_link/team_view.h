@@ -79,7 +79,8 @@ class TeamView {
     uint64_t tried = 0;           // complete version that was taken over or refused
     size_t bytes = 0;             // of the blocks of the part
     std::optional<RobotMap> map;  // in the team
-    uint64_t met_own = 0;         // versions of the own map and of the outline of the meeting
+    bool has_joined = false;
+    uint64_t met_own = 0;  // versions of the own map and of the outline of the meeting
     std::string met_outline;
     std::optional<Meeting> meeting;
   };
