@@ -76,7 +76,7 @@ std::vector<std::string> fuzzSeeds() {
     seeds.push_back(row);
   }
   const Holdings held{1, 2, 3, true, {4, 5}};
-  const std::vector<BlockCode> wanted = {1, 8, 9};
+  const WantedBlocks wanted{{"r2", ""}, {1, 8, 9}};
   for (const std::string& value : {toBytes(held), toBytes(wanted)}) {
     const std::string bytes = toBytes(Sample{{{"r2", ""}, SampleKind::Have, 0}, 1, value});
     seeds.push_back('\0' + fuzz::Output().put(static_cast<uint16_t>(bytes.size())).bytes() + bytes);
