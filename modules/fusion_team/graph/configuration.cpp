@@ -7,178 +7,207 @@
 #include <utility>
 
 #include "fusion_team/graph/pose_graph.h"
+#include "fusion_team/graph/scored_team.h"
 
 namespace mrpt::fusion {
 namespace {
 
 using Eigen::Isometry3d;
 
-struct Relation {
-  const ComparedObstacles *of_i, *of_j;
-  bool is_sure;  // a sure match places the maps so
-};
-
-/** Returns the evidence of maps \a i and \a j at poses in one frame. */
-Relation relationOf(size_t i, const Isometry3d& T_i, size_t j, const Isometry3d& T_j,
-                    const TeamEvidence& evidence) {
-  if (i < j) {
-    const Isometry3d T_i_j = T_i.inverse() * T_j;
-    const PairEvidence& e = evidence.near(i, j, T_i_j);
-    return {&e.of_a, &e.of_b, evidence.isSure(i, j, T_i_j)};
-  }
-  const Relation inverse = relationOf(j, T_j, i, T_i, evidence);
-  return {inverse.of_j, inverse.of_i, inverse.is_sure};
-}
-
-void unite(ObstacleSet& all, const ObstacleSet& more) {
-  if (all.empty()) all.resize(more.size());
-  for (size_t w = 0; w < more.size(); w++) all[w] |= more[w];
-}
-
-/** Obstacles of a map, compared with all other placed maps. */
-struct KnownObstacles : ComparedObstacles {
-  ObstacleSet explained;  // obstacles in the free space of a map with a sure match
-};
-void unite(KnownObstacles& all, const ComparedObstacles& more, bool is_sure) {
-  unite(all.confirmed, more.confirmed);
-  unite(is_sure ? all.explained : all.displaced, more.displaced);
-  unite(is_sure ? all.explained : all.contradicted, more.contradicted);
-}
-
-/** What the placed maps know about each other, by map. */
-using Known = std::vector<KnownObstacles>;
-
-Known knownOf(const Configuration& c, const TeamEvidence& evidence) {
-  Known known(c.pose.size());
-  for (size_t i = 0; i < c.pose.size(); i++)
-    for (size_t j = i + 1; j < c.pose.size(); j++)
-      if (c.pose[i] && c.pose[j]) {
-        const Relation r = relationOf(i, *c.pose[i], j, *c.pose[j], evidence);
-        unite(known[i], *r.of_i, r.is_sure);
-        unite(known[j], *r.of_j, r.is_sure);
-      }
-  return known;
-}
-
-double scoreOf(const KnownObstacles& o, size_t map, const TeamEvidence& evidence) {
-  const ConflictTolerance tolerance = evidence.tolerance();
-  return evidence.areaOfObstacle(map) *
-         (countOf(o.confirmed) - countOf(o.displaced) / tolerance.displaced -
-          countOf(o.contradicted) / tolerance.contradicted -
-          countOf(o.explained) / tolerance.explained);
-}
-
-/** Returns the increase of the score by a map. */
-double gainOf(size_t k, const Isometry3d& T, const Configuration& c, const Known& known,
-              const TeamEvidence& evidence) {
-  double gain = 0;
-  KnownObstacles of_k;
-  for (size_t i = 0; i < c.pose.size(); i++) {
-    if (i == k || !c.pose[i]) continue;
-    const Relation r = relationOf(i, *c.pose[i], k, T, evidence);
-    if (r.of_i->confirmed.empty()) continue;
-    KnownObstacles all = known[i];
-    unite(all, *r.of_i, r.is_sure);
-    gain += scoreOf(all, i, evidence) - scoreOf(known[i], i, evidence);
-    unite(of_k, *r.of_j, r.is_sure);
-  }
-  return gain + scoreOf(of_k, k, evidence);
-}
-
-/** A pose at which a map may be placed. */
-struct Candidate {
-  size_t map;
-  Isometry3d T;
-};
-
 /** Returns the pose that a way from map \a from gives to the other map of the way. */
 Isometry3d poseBy(const Way& way, size_t from, const Isometry3d& T_from) {
   return way.a == from ? T_from * way.T_a_b : T_from * way.T_a_b.inverse();
 }
 
-void addCandidates(size_t from, const Configuration& c, const std::vector<Way>& ways,
-                   const TeamEvidence& evidence, std::vector<Candidate>& candidates) {
-  for (const Way& way : ways) {
-    if (way.a != from && way.b != from) continue;
-    const size_t map = way.a == from ? way.b : way.a;
-    if (c.pose[map]) continue;
-    const Isometry3d T = poseBy(way, from, *c.pose[from]);
-    const bool is_known = std::any_of(candidates.begin(), candidates.end(), [&](const auto& k) {
-      return k.map == map && evidence.isSame(map, k.T, T);
-    });
-    if (!is_known) candidates.push_back({map, T});
+/** Places missing maps one after another while the score grows. */
+class TeamGrowth {
+ public:
+  TeamGrowth(ScoredTeam& team, const TeamWays& ways)
+      : team_(team), ways_(ways), additions_(ways.n()) {
+    for (size_t k = 0; k < ways.n(); k++)
+      if (team.isPlaced(k)) addFrom(k);
   }
-}
+  /** After a move: looks only at the maps that were taken out, and at other missing maps where they
+   * meet the places of these maps. Elsewhere nothing has changed. */
+  TeamGrowth(ScoredTeam& team, const TeamWays& ways, const std::vector<Placement>& taken_out)
+      : team_(team), ways_(ways), additions_(ways.n()), taken_out_(&taken_out) {
+    for (const auto& [map, T] : taken_out) changed_.push_back(team.boxAt(map, T));
+    for (size_t k = 0; k < ways.n(); k++)
+      if (team.isPlaced(k)) addFrom(k);
+  }
 
-/** A choice among candidates. */
-struct Choice {
-  const Candidate* candidate = nullptr;
-  double gain = 0;        // of the candidate
-  double preference = 0;  // the choice with the largest preference is placed first
-};
+  /** \return The maps that have been placed. */
+  std::vector<size_t> run(GrowthOrder order) {
+    std::vector<size_t> placed;
+    while (const Addition* next = best(order)) {
+      placed.push_back(next->map());
+      place(next->map(), Isometry3d(next->pose()));
+    }
+    return placed;
+  }
 
-/** Returns the candidate to place next, or none if no candidate increases the score. */
-Choice bestChoice(const std::vector<Candidate>& candidates, const Configuration& c,
-                  const TeamEvidence& evidence, GrowthOrder order) {
-  const Known known = knownOf(c, evidence);
-  std::vector<Choice> of_map(c.pose.size());
-  std::vector<double> second(c.pose.size(), 0);
-  for (const Candidate& k : candidates) {
-    const double gain = gainOf(k.map, k.T, c, known, evidence);
-    Choice& best = of_map[k.map];
-    if (gain > best.gain) {
-      second[k.map] = best.gain;
-      best = {&k, gain, 0};
+ private:
+  void place(size_t map, const Isometry3d& T) {
+    team_.place(map, T);
+    additions_[map].clear();
+    std::vector<bool> is_changed(ways_.n(), false);
+    for (const auto& [k, r] : team_.relations(map)) is_changed[k] = true;
+    for (auto& of_map : additions_)
+      for (Addition& addition : of_map) addition.update(team_, map, is_changed);
+    if (taken_out_ && !wasThere(map, T)) {
+      changed_.push_back(team_.box(map));
+      for (size_t k = 0; k < ways_.n(); k++)
+        if (team_.isPlaced(k)) addFrom(k);
     } else {
-      second[k.map] = std::max(second[k.map], gain);
+      addFrom(map);
     }
   }
-  Choice best;
-  for (size_t k = 0; k < of_map.size(); k++) {
-    Choice& choice = of_map[k];
-    choice.preference = choice.gain - (order == GrowthOrder::Clearest ? second[k] : 0);
-    if (choice.candidate && (!best.candidate || choice.preference > best.preference)) best = choice;
-  }
-  return best;
-}
 
-/** Places candidates one after another while the score grows. */
-void grow(Configuration& c, const std::vector<Way>& ways, const TeamEvidence& evidence,
-          GrowthOrder order) {
-  std::vector<Candidate> candidates;
-  for (size_t i = 0; i < c.pose.size(); i++)
-    if (c.pose[i]) addCandidates(i, c, ways, evidence, candidates);
-  while (true) {
-    const Choice choice = bestChoice(candidates, c, evidence, order);
-    if (!choice.candidate) return;
-    const Candidate next = *choice.candidate;
-    c.pose[next.map] = next.T;
-    c.score += choice.gain;
-    candidates.erase(std::remove_if(candidates.begin(), candidates.end(),
-                                    [&](const auto& k) { return k.map == next.map; }),
-                     candidates.end());
-    addCandidates(next.map, c, ways, evidence, candidates);
+  bool wasThere(size_t map, const Isometry3d& T) const {
+    return std::any_of(taken_out_->begin(), taken_out_->end(), [&](const Placement& p) {
+      return p.map == map && team_.evidence().isSame(map, p.T, T);
+    });
   }
-}
+
+  bool isTouched(size_t map, const Isometry3d& T) const {
+    const auto is_map = [&](const Placement& p) { return p.map == map; };
+    if (!taken_out_ || std::any_of(taken_out_->begin(), taken_out_->end(), is_map)) return true;
+    const Eigen::AlignedBox3d box = team_.boxAt(map, T);
+    return std::any_of(changed_.begin(), changed_.end(),
+                       [&](const auto& other) { return other.intersects(box); });
+  }
+
+  /** Adds the places that a placed map gives to missing maps. */
+  void addFrom(size_t from) {
+    for (const size_t i : ways_.of[from]) {
+      const Way& way = ways_.all[i];
+      const size_t map = way.a == from ? way.b : way.a;
+      if (team_.isPlaced(map)) continue;
+      const Isometry3d T = poseBy(way, from, *team_.pose(from));
+      const auto is_there = [&](const Addition& k) {
+        return team_.evidence().isSame(map, k.pose(), T);
+      };
+      auto& of_map = additions_[map];
+      if (isTouched(map, T) && std::none_of(of_map.begin(), of_map.end(), is_there))
+        of_map.emplace_back(map, T, team_);
+    }
+  }
+
+  /** Returns what to place next, or nothing if nothing increases the score. */
+  const Addition* best(GrowthOrder order) {
+    const Addition* next = nullptr;
+    double largest = 0;
+    for (auto& of_map : additions_) {
+      const Addition* best_of_map = nullptr;
+      double gain = 0, second = 0;
+      for (Addition& addition : of_map) {
+        const double other = addition.gain(team_);
+        second = std::max(second, std::min(gain, other));
+        if (other <= gain) continue;
+        gain = other;
+        best_of_map = &addition;
+      }
+      const double preference = gain - (order == GrowthOrder::Clearest ? second : 0);
+      if (!best_of_map || (next && preference <= largest)) continue;
+      next = best_of_map;
+      largest = preference;
+    }
+    return next;
+  }
+
+  ScoredTeam& team_;
+  const TeamWays& ways_;
+  std::vector<std::vector<Addition>> additions_;  // by map
+  const std::vector<Placement>* taken_out_ = nullptr;
+  std::vector<Eigen::AlignedBox3d> changed_;  // where the maps have changed
+};
+
+/** Moves the maps of a configuration. */
+class Improvement {
+ public:
+  Improvement(ScoredTeam& team, const TeamWays& ways)
+      : team_(team), ways_(ways), is_new_(ways.n(), true) {}
+
+  void run(Moves moves) {
+    const size_t n = ways_.n();
+    TeamGrowth(team_, ways_).run(GrowthOrder::LargestGain);
+    for (bool is_better = true; is_better;) {
+      is_better = false;
+      const std::vector<bool> look = std::exchange(is_new_, std::vector<bool>(n, false));
+      const auto isNew = [&](size_t k) { return look[k] || is_new_[k]; };
+      for (size_t i = 0; i < n; i++)
+        for (size_t j = i; j < (moves == Moves::OfOneMap ? i + 1 : n); j++)
+          if ((isNew(i) || isNew(j)) && (i == j || areRelated(i, j)))
+            for (const GrowthOrder order : {GrowthOrder::LargestGain, GrowthOrder::Clearest})
+              if (team_.isPlaced(i) && team_.isPlaced(j)) is_better |= move(i, j, order);
+    }
+  }
+
+ private:
+  bool areRelated(size_t i, size_t j) const {
+    const auto& relations = team_.relations(i);
+    return ways_.connects(i, j) || std::any_of(relations.begin(), relations.end(),
+                                               [&](const auto& r) { return r.first == j; });
+  }
+
+  /** Takes one or two maps out and lets the team grow again. \return True if the score is larger.
+   */
+  bool move(size_t i, size_t j, GrowthOrder order) {
+    constexpr double kLeastGain = 1e-6;  // share of the score
+    const double score = team_.score();
+    std::vector<Placement> before{{i, *team_.pose(i)}};
+    if (j != i) before.push_back({j, *team_.pose(j)});
+    std::vector<size_t> touched;
+    for (const Placement& p : before) {
+      for (const auto& [k, r] : team_.relations(p.map)) touched.push_back(k);
+      team_.remove(p.map);
+    }
+    const std::vector<size_t> placed = TeamGrowth(team_, ways_, before).run(order);
+    if (team_.score() > score * (1 + kLeastGain)) {
+      for (const Placement& p : before) touched.push_back(p.map);
+      touched.insert(touched.end(), placed.begin(), placed.end());
+      for (const size_t k : touched) setNew(k);
+      return true;
+    }
+    for (const size_t k : placed) team_.remove(k);
+    for (const Placement& p : before) team_.place(p.map, p.T);
+    return false;
+  }
+
+  /** Marks the maps whose moves may have another result, because a map has changed. */
+  void setNew(size_t map) {
+    is_new_[map] = true;
+    for (const auto& [k, r] : team_.relations(map)) is_new_[k] = true;
+    for (const size_t i : ways_.of[map]) is_new_[ways_.all[i].a] = is_new_[ways_.all[i].b] = true;
+  }
+
+  ScoredTeam& team_;
+  const TeamWays& ways_;
+  std::vector<bool> is_new_;  // maps whose surroundings have changed since they were moved
+};
 
 }  // namespace
 
 void settle(Configuration& c, const TeamEvidence& evidence) {
   constexpr size_t kMostRounds = 4;        // the evidence changes with the poses
   constexpr double kLeastConfirmed = 100;  // a pair with fewer obstacles fixes no pose
+  ScoredTeam team(c, evidence);
   for (size_t round = 0; round < kMostRounds; round++) {
     std::vector<PoseConstraint> constraints;
     for (size_t i = 0; i < c.pose.size(); i++)
-      for (size_t j = i + 1; j < c.pose.size(); j++) {
-        if (!c.pose[i] || !c.pose[j]) continue;
-        const PairEvidence& e = evidence.near(i, j, c.pose[i]->inverse() * *c.pose[j]);
-        if (e.confirmed() >= kLeastConfirmed) constraints.push_back({i, j, e.registered});
-      }
+      for (const auto& [j, r] : team.relations(i))
+        if (j > i && r.evidence->confirmed() >= kLeastConfirmed)
+          constraints.push_back({i, j, r.evidence->registered});
+    std::sort(constraints.begin(), constraints.end(), [](const auto& g, const auto& h) {
+      return std::pair(g.a, g.b) < std::pair(h.a, h.b);
+    });
     Configuration settled = c;
     optimizePoses(constraints, settled.pose);
-    settled.score = scoreOf(settled, evidence);
+    ScoredTeam settled_team(settled, evidence);
+    settled.score = settled_team.score();
     if (settled.score <= c.score) return;
     c = std::move(settled);
+    team = std::move(settled_team);
   }
 }
 
@@ -191,24 +220,18 @@ TeamAreas areasOf(size_t k, const Configuration& c, const TeamEvidence& evidence
     areas.contradicted += area * countOf(of_map.contradicted);
     areas.explained += area * countOf(of_map.explained);
   };
-  KnownObstacles of_k;
-  for (size_t i = 0; i < c.pose.size(); i++) {
-    if (i == k || !c.pose[i]) continue;
-    const Relation r = relationOf(i, *c.pose[i], k, *c.pose[k], evidence);
-    unite(of_k, *r.of_j, r.is_sure);
+  const ScoredTeam team(c, evidence);
+  for (const auto& [i, r] : team.relations(k)) {
     KnownObstacles of_i;
-    unite(of_i, *r.of_i, r.is_sure);
+    unite(of_i, r.others(), r.is_sure);
     add(of_i, i);
   }
-  add(of_k, k);
+  add(team.known(k), k);
   return areas;
 }
 
 double scoreOf(const Configuration& c, const TeamEvidence& evidence) {
-  const Known known = knownOf(c, evidence);
-  double sum = 0;
-  for (size_t k = 0; k < known.size(); k++) sum += scoreOf(known[k], k, evidence);
-  return sum;
+  return ScoredTeam(c, evidence).score();
 }
 
 Configuration pairOf(const Way& way, const TeamEvidence& evidence) {
@@ -220,32 +243,17 @@ Configuration pairOf(const Way& way, const TeamEvidence& evidence) {
   return c;
 }
 
-Configuration grownFrom(const Way& seed, const std::vector<Way>& ways, const TeamEvidence& evidence,
+Configuration grownFrom(const Way& seed, const TeamWays& ways, const TeamEvidence& evidence,
                         GrowthOrder order) {
-  Configuration c = pairOf(seed, evidence);
-  grow(c, ways, evidence, order);
-  return c;
+  ScoredTeam team(pairOf(seed, evidence), evidence);
+  TeamGrowth(team, ways).run(order);
+  return team.configuration();
 }
 
-void improve(Configuration& c, const std::vector<Way>& ways, const TeamEvidence& evidence,
-             Moves moves) {
-  constexpr double kLeastGain = 1e-6;  // share of the score
-  const auto replaced = [&](const std::vector<size_t>& maps, GrowthOrder order) {
-    Configuration moved = c;
-    for (const size_t k : maps) moved.pose[k].reset();
-    moved.score = scoreOf(moved, evidence);
-    grow(moved, ways, evidence, order);
-    if (moved.score <= c.score * (1 + kLeastGain)) return false;
-    c = std::move(moved);
-    return true;
-  };
-  for (bool is_better = true; is_better;) {
-    is_better = false;
-    for (size_t i = 0; i < c.pose.size(); i++)
-      for (size_t j = i; j < (moves == Moves::OfOneMap ? i + 1 : c.pose.size()); j++)
-        for (const GrowthOrder order : {GrowthOrder::LargestGain, GrowthOrder::Clearest})
-          if (c.pose[i] && c.pose[j]) is_better |= replaced({i, j}, order);
-  }
+void improve(Configuration& c, const TeamWays& ways, const TeamEvidence& evidence, Moves moves) {
+  ScoredTeam team(c, evidence);
+  Improvement(team, ways).run(moves);
+  c = team.configuration();
 }
 
 }  // namespace mrpt::fusion

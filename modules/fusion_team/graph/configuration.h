@@ -42,7 +42,7 @@ enum class GrowthOrder {
 
 /** Grows a configuration from a pair: places maps one after another while the score grows. All
  * pairs have a say, also pairs that were never matched. */
-Configuration grownFrom(const Way& seed, const std::vector<Way>& ways, const TeamEvidence& evidence,
+Configuration grownFrom(const Way& seed, const TeamWays& ways, const TeamEvidence& evidence,
                         GrowthOrder order);
 
 /** Optimises the poses of a configuration: the errors of long chains of pairs spread over all
@@ -51,13 +51,15 @@ void settle(Configuration& configuration, const TeamEvidence& evidence);
 
 /** Which maps move at once. */
 enum class Moves {
-  OfOneMap,   ///< Each map alone
-  OfOneOrTwo  ///< Each map alone, and each two maps
+  OfOneMap,  ///< Each map alone
+  /** Each map alone, and each two maps with a hypothesis of their pair or that meet each other. */
+  OfOneOrTwo
 };
 
 /** Improves a configuration by moves: places a map elsewhere, places a missing map, takes a map
- * out. Ends when no move increases the score. */
-void improve(Configuration& configuration, const std::vector<Way>& ways,
-             const TeamEvidence& evidence, Moves moves);
+ * out. Ends when no move increases the score. A move is tried again only after a change of maps
+ * that meet its maps or have hypotheses with them. */
+void improve(Configuration& configuration, const TeamWays& ways, const TeamEvidence& evidence,
+             Moves moves);
 
 }  // namespace mrpt::fusion

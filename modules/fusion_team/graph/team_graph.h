@@ -2,9 +2,10 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cstddef>
-#include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "fusion_team/pairs/pair_evidence.h"
@@ -19,6 +20,24 @@ struct Way {
   size_t a = 0;                                             ///< Index of map A
   size_t b = 0;                                             ///< Index of map B; larger than a
   Eigen::Isometry3d T_a_b = Eigen::Isometry3d::Identity();  ///< Pose of map B in A's frame
+};
+
+/** The hypotheses of all pairs of a team, found by map. */
+struct TeamWays {
+  TeamWays(std::vector<Way> ways, size_t maps) : all(std::move(ways)), of(maps) {
+    for (size_t i = 0; i < all.size(); i++)
+      for (const size_t k : {all[i].a, all[i].b}) of[k].push_back(i);
+  }
+  /** Returns the number of maps. */
+  size_t n() const { return of.size(); }
+  /** True if two maps have a hypothesis. */
+  bool connects(size_t i, size_t j) const {
+    return std::any_of(of[i].begin(), of[i].end(),
+                       [&](size_t w) { return all[w].a == j || all[w].b == j; });
+  }
+
+  std::vector<Way> all;
+  std::vector<std::vector<size_t>> of;  ///< Indices of the ways of each map
 };
 
 /** Shares of conflicts at which confirmed obstacles count nothing. Drift bends maps, so that a
@@ -44,10 +63,20 @@ class TeamEvidence {
   /** True if a match of maps a < b is sure by itself and places map \a b there. The verdict on the
    * pair has weighed the conflicts that the maps have at this place. */
   virtual bool isSure(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const = 0;
+  /** Bounding box of a map in its frame, m. Maps whose boxes do not meet have no evidence. */
+  virtual Eigen::AlignedBox3d box(size_t map) const = 0;
   /** Area of each obstacle in the evidence of a map, m^2. */
   virtual double areaOfObstacle(size_t map) const = 0;
+  /** Area of all obstacles in the evidence of a map, m^2. */
+  virtual double areaOf(size_t map) const = 0;
   /** Shares of conflicts at which confirmed obstacles count nothing. */
   virtual ConflictTolerance tolerance() const = 0;
+};
+
+/** A map at a pose. */
+struct Placement {
+  size_t map;
+  Eigen::Isometry3d T;
 };
 
 /** Poses of the maps of a team in one frame. */

@@ -12,8 +12,8 @@
 namespace mrpt::fusion {
 namespace {
 
-/** Configurations that the search grows, for each map. */
-constexpr size_t kStartsPerMap = 3;
+/** Configurations that the search grows, for each map and in all. */
+constexpr size_t kStartsPerMap = 3, kMostStarts = 24;
 
 /** Returns the placed map that contributes least to the score, of the maps that nothing connects
  * with the first map. */
@@ -44,7 +44,8 @@ std::vector<PlacedMap> placeFrom(size_t first, std::vector<bool> maps,
     for (const JudgedWay& w : ways)
       if (maps[w.way.a] && maps[w.way.b]) present.push_back(w.way);
     const auto n = static_cast<size_t>(std::count(maps.begin(), maps.end(), true));
-    const TeamSearchResult found = searchTeam(present, evidence, kStartsPerMap * n, first);
+    const TeamSearchResult found =
+        searchTeam(present, evidence, std::min(kMostStarts, kStartsPerMap * n), first);
     const std::vector<PlacedMap> judged = judgeTeam(found, ways, evidence, names, params);
     for (size_t k = 0; k < maps.size(); k++)
       if (maps[k]) result[k] = judged[k];

@@ -4,33 +4,32 @@
 #include "fusion_team/graph/team_search.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "fusion_team/graph/configuration.h"
+#include "fusion_team/graph/scored_team.h"
 
 namespace mrpt::fusion {
 namespace {
 
 using Eigen::Isometry3d;
 
+constexpr size_t kMostMoved = 32;       // configurations that moves of one map improve
 constexpr size_t kMostImproved = 16;    // configurations that moves of two maps improve
 constexpr double kWorthSettling = 0.8;  // least share of the best score, of a rival
 
 bool scoresBetter(const Configuration& g, const Configuration& h) { return g.score > h.score; }
 
 /** Returns the best way of each pair, best score first. */
-std::vector<Way> bestOf(const std::vector<Way>& ways, const TeamEvidence& evidence, size_t most) {
+std::vector<Way> bestOf(const std::vector<Way>& ways, const TeamEvidence& evidence) {
   std::vector<std::pair<double, size_t>> order;
   for (size_t i = 0; i < ways.size(); i++) order.emplace_back(-pairOf(ways[i], evidence).score, i);
   std::sort(order.begin(), order.end());
   std::vector<Way> best;
-  for (const auto& [score, i] : order) {
-    const Way& way = ways[i];
-    const bool has_pair = std::any_of(best.begin(), best.end(), [&](const Way& other) {
-      return other.a == way.a && other.b == way.b;
-    });
-    if (!has_pair && best.size() < most) best.push_back(way);
-  }
+  std::set<std::pair<size_t, size_t>> pairs;
+  for (const auto& [score, i] : order)
+    if (pairs.emplace(ways[i].a, ways[i].b).second) best.push_back(ways[i]);
   return best;
 }
 
@@ -121,50 +120,86 @@ void keepDistinct(std::vector<Configuration>& configurations, const TeamEvidence
   configurations = std::move(distinct);
 }
 
-/** Compares the best configuration with other places of a block of maps that keeps its shape. */
-void compareWithOtherPlaces(const std::vector<size_t>& block, const std::vector<Way>& ways,
+/** Returns what maps that keep their shape gain by joining a team: the increase of the score, less
+ * the score of these maps alone. A value of at most 0 is not exact.
+ * \param[in] first,second The maps at their poses; the second may be missing. */
+double joiningGain(ScoredTeam& team, const Placement& first, const Placement* second,
+                   double alone) {
+  if (!second) return Addition(first.map, first.T, team).gain(team);
+  const Addition bound(second->map, second->T, team);
+  const double least = alone - bound.mostGain(team) - team.evidence().areaOf(first.map);
+  const double gain = Addition(first.map, first.T, team, least).gain(team);
+  if (gain <= least) return 0;
+  team.place(first.map, first.T);
+  const double more = Addition(second->map, second->T, team, alone - gain).gain(team);
+  team.remove(first.map);
+  return gain + more - alone;
+}
+
+/** Compares the best configuration with other places of one or two maps that keep their shape. */
+void compareWithOtherPlaces(const std::vector<size_t>& block, const TeamWays& ways,
                             const TeamEvidence& evidence, TeamSearchResult& result) {
-  const Configuration rest = without(result.best, block, evidence);
+  constexpr double kWorthwhile = 0.5;  // least gain over the gain of the place, of a rival
+  const auto& best = result.best.pose;
   const auto in_block = [&](size_t k) {
     return std::find(block.begin(), block.end(), k) != block.end();
   };
+  ScoredTeam rest(result.best, evidence);
+  for (const size_t k : block) rest.remove(k);
+  const double alone = block.size() < 2 ? 0 : with(result.best, block, evidence).score;
+  const double gain = result.best.score - rest.score() - alone;
   std::vector<Isometry3d> tried;
-  for (const Way& way : ways) {
-    const bool a_in = in_block(way.a), b_in = in_block(way.b);
-    const size_t inside = a_in ? way.a : way.b, outside = a_in ? way.b : way.a;
-    if (a_in == b_in || !rest.pose[outside] || !result.best.pose[inside]) continue;
-    const Isometry3d T = *rest.pose[outside] * (a_in ? way.T_a_b.inverse() : way.T_a_b);
-    if (evidence.isSame(inside, T, *result.best.pose[inside])) continue;
-    const Isometry3d motion = T * result.best.pose[inside]->inverse();
-    const size_t first = block.front();
-    const Isometry3d T_first = motion * *result.best.pose[first];
-    if (std::any_of(tried.begin(), tried.end(),
-                    [&](const Isometry3d& U) { return evidence.isSame(first, T_first, U); }))
-      continue;
-    tried.push_back(T_first);
-    Configuration rival = rest;
-    for (const size_t k : block) rival.pose[k] = motion * *result.best.pose[k];
-    rival.score = scoreOf(rival, evidence);
-    if (rival.score > kWorthSettling * result.best.score) settle(rival, evidence);
-    compareWith(rival, evidence, result);
-  }
+  for (const size_t inside : block)
+    for (const size_t w : ways.of[inside]) {
+      const Way& way = ways.all[w];
+      const size_t outside = way.a == inside ? way.b : way.a;
+      if (in_block(outside) || !best[outside]) continue;
+      const Isometry3d T = *best[outside] * (way.a == inside ? way.T_a_b.inverse() : way.T_a_b);
+      if (evidence.isSame(inside, T, *best[inside])) continue;
+      const Isometry3d motion = T * best[inside]->inverse();
+      const Placement first{block.front(), motion * *best[block.front()]};
+      if (std::any_of(tried.begin(), tried.end(),
+                      [&](const Isometry3d& U) { return evidence.isSame(first.map, first.T, U); }))
+        continue;
+      tried.push_back(first.T);
+      const Placement second{block.back(), motion * *best[block.back()]};
+      const double gain_of_rival =
+          joiningGain(rest, first, block.size() < 2 ? nullptr : &second, alone);
+      if (gain_of_rival <= 0) continue;
+      Configuration rival = result.best;
+      for (const size_t k : block) rival.pose[k] = motion * *best[k];
+      rival.score = rest.score() + alone + gain_of_rival;
+      if (rival.score > kWorthSettling * result.best.score && gain_of_rival > kWorthwhile * gain)
+        settle(rival, evidence);
+      compareWith(rival, evidence, result);
+    }
 }
 
 }  // namespace
 
-TeamSearchResult searchTeam(const std::vector<Way>& ways, const TeamEvidence& evidence,
+TeamSearchResult searchTeam(const std::vector<Way>& all_ways, const TeamEvidence& evidence,
                             size_t most_starts, size_t first) {
   TeamSearchResult result;
   result.first = first;
   result.runner_up.resize(evidence.size());
   result.best.pose.resize(evidence.size());
-  if (ways.empty()) return result;
+  if (all_ways.empty()) return result;
 
+  const TeamWays ways(all_ways, evidence.size());
   std::vector<Configuration> grown;
-  for (const Way& seed : bestOf(ways, evidence, most_starts))
-    for (const GrowthOrder order : {GrowthOrder::LargestGain, GrowthOrder::Clearest})
-      grown.push_back(grownFrom(seed, ways, evidence, order));
+  std::vector<bool> is_placed(evidence.size());
+  const std::vector<Way> seeds = bestOf(all_ways, evidence);
+  for (size_t i = 0; i < seeds.size(); i++) {
+    // The best seeds lead to the best configurations. Each map is in one of them.
+    if (i >= most_starts && is_placed[seeds[i].a] && is_placed[seeds[i].b]) continue;
+    for (const GrowthOrder order : {GrowthOrder::LargestGain, GrowthOrder::Clearest}) {
+      grown.push_back(grownFrom(seeds[i], ways, evidence, order));
+      for (size_t k = 0; k < ways.n(); k++)
+        if (grown.back().pose[k]) is_placed[k] = true;
+    }
+  }
   keepDistinct(grown, evidence);
+  if (grown.size() > kMostMoved) grown.resize(kMostMoved);
   for (Configuration& c : grown) improve(c, ways, evidence, Moves::OfOneMap);
   keepDistinct(grown, evidence);
   for (size_t i = 0; i < std::min(kMostImproved, grown.size()); i++) {
@@ -178,7 +213,7 @@ TeamSearchResult searchTeam(const std::vector<Way>& ways, const TeamEvidence& ev
   const size_t n = evidence.size();
   for (size_t k = 0; k < n; k++)
     if (result.best.pose[k]) compareWithOtherPlaces({k}, ways, evidence, result);
-  for (const Way& way : ways) {
+  for (const Way& way : all_ways) {
     const auto &T_a = result.best.pose[way.a], &T_b = result.best.pose[way.b];
     if (T_a && T_b && evidence.isSame(way.b, *T_a * way.T_a_b, *T_b))
       compareWithOtherPlaces({way.a, way.b}, ways, evidence, result);

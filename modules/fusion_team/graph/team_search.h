@@ -26,7 +26,8 @@ struct TeamSearchResult {
  *
  * \param[in] ways Hypotheses of all pairs. Maps without a hypothesis are not placed.
  * \param[in] evidence Evidence of all pairs.
- * \param[in] most_starts Largest number of ways from which configurations grow.
+ * \param[in] most_starts Number of ways from which configurations grow. Maps that are in none of
+ * these configurations are starts, too.
  * \param[in] first Map in whose frame the configurations are compared. */
 TeamSearchResult searchTeam(const std::vector<Way>& ways, const TeamEvidence& evidence,
                             size_t most_starts, size_t first = 0);

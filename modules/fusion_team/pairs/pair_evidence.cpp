@@ -18,17 +18,12 @@ namespace {
 constexpr double kSlack = 0.2;
 /** Contradicted obstacles over confirmed obstacles at which no refinement helps. */
 constexpr double kHopeless = 0.1;
-/** Largest difference of two poses that share their evidence, share of the tolerance. */
+/** Largest difference of two poses that share their evidence, share of the tolerance. Poses that
+ * share refined or hopeless evidence may differ by kSlack. */
 constexpr double kSameQuestion = 0.1;
 /** Largest distance of a displaced obstacle from an obstacle of the other map, share of the
  * tolerance of a right pose. Drift bends maps by so much. */
 constexpr double kDisplacement = 0.7;
-
-Eigen::AlignedBox3d boxOf(const MapFeatures& map) {
-  Eigen::AlignedBox3d box;
-  for (const auto& p : map.matched.voxels.centre) box.extend(p.cast<double>());
-  return box;
-}
 
 /** Compares the obstacles of a map with another map.
  * \param[in] map The other map.
@@ -59,6 +54,12 @@ double scoreOf(const PairEvidence& e, double tolerance) {
 }
 
 }  // namespace
+
+Eigen::AlignedBox3d boxOf(const MapFeatures& map) {
+  Eigen::AlignedBox3d box;
+  for (const auto& p : map.matched.voxels.centre) box.extend(p.cast<double>());
+  return box;
+}
 
 double countOf(const ObstacleSet& set) {
   size_t n = 0;
@@ -118,7 +119,7 @@ PairEvidence EvidenceOfPair::at(const Eigen::Isometry3d& T_a_b) const {
 }
 
 bool EvidenceOfPair::answers(const Known& known, const Eigen::Isometry3d& T_a_b) const {
-  const double factor = known.is_refined ? kSlack : kSameQuestion;
+  const double factor = known.is_wide ? kSlack : kSameQuestion;
   const double most = factor * options_.evaluation.tolerance.translation;
   return (T_a_b * middle_b_ - known.middle).squaredNorm() <= most * most &&  // cheap
          isSame(T_a_b, known.evidence.T_a_b, factor);
@@ -128,8 +129,8 @@ EvidenceOfPair::Known EvidenceOfPair::computed(const Eigen::Isometry3d& T_a_b) {
   if (!comparison_)
     comparison_ = std::make_unique<Comparison>(a_.features(), b_.features(), options_);
   Known as_asked{T_a_b * middle_b_, false, at(T_a_b), T_a_b};
-  if (as_asked.evidence.contradicted() >= kHopeless * as_asked.evidence.confirmed())
-    return as_asked;
+  as_asked.is_wide = as_asked.evidence.contradicted() >= kHopeless * as_asked.evidence.confirmed();
+  if (as_asked.is_wide) return as_asked;
   const Eigen::Isometry3d refined = comparison_->by_many.refined(T_a_b).T_a_b;
   if (isSame(T_a_b, refined)) as_asked.evidence.registered = refined;
   if (!isSame(T_a_b, refined, kSlack)) return as_asked;
@@ -145,19 +146,45 @@ EvidenceOfPair::Known EvidenceOfPair::rememberedOrComputed(const Eigen::Isometry
   return computed(T_a_b);
 }
 
+size_t EvidenceOfPair::Hash::operator()(const Eigen::Vector3i& cell) const {
+  const auto bits = [&](int i) { return static_cast<uint64_t>(static_cast<uint32_t>(cell[i])); };
+  return (bits(0) * 0x9e3779b97f4a7c15) ^ (bits(1) * 0xc2b2ae3d27d4eb4f) ^
+         (bits(2) * 0x165667b19e3779f9);
+}
+
+Eigen::Vector3i EvidenceOfPair::cellOf(const Eigen::Vector3d& middle) const {
+  const double side = 2 * kSlack * options_.evaluation.tolerance.translation;
+  return (middle / side).array().floor().cast<int>();
+}
+
+void EvidenceOfPair::remember(Known known) {
+  // It is found from all cells with a place that it may answer.
+  const double reach = kSlack * options_.evaluation.tolerance.translation;
+  const Eigen::Vector3d corner = Eigen::Vector3d::Constant(reach);
+  const Eigen::Vector3i first = cellOf(known.middle - corner), last = cellOf(known.middle + corner);
+  for (int x = first.x(); x <= last.x(); x++)
+    for (int y = first.y(); y <= last.y(); y++)
+      for (int z = first.z(); z <= last.z(); z++)
+        known_in_[Eigen::Vector3i(x, y, z)].push_back(known_.size());
+  known_.push_back(std::move(known));
+}
+
 void EvidenceOfPair::restart() {
   const std::lock_guard<std::mutex> lock(mutex_);
   before_ = std::exchange(known_, {});
+  known_in_.clear();
 }
 
 const PairEvidence& EvidenceOfPair::near(const Eigen::Isometry3d& T_a_b) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  for (const Known& known : known_)
-    if (answers(known, T_a_b)) return known.evidence;
+  const auto in_cell = known_in_.find(cellOf(T_a_b * middle_b_));
+  if (in_cell != known_in_.end())
+    for (const size_t i : in_cell->second)
+      if (answers(known_[i], T_a_b)) return known_[i].evidence;
   if (mayMeet(T_a_b))
-    known_.push_back(rememberedOrComputed(T_a_b));
+    remember(rememberedOrComputed(T_a_b));
   else
-    known_.push_back({T_a_b * middle_b_, false, {T_a_b, T_a_b, {}, {}}, T_a_b});
+    remember({T_a_b * middle_b_, false, {T_a_b, T_a_b, {}, {}}, T_a_b});
   return known_.back().evidence;
 }
 

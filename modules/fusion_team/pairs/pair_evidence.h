@@ -9,12 +9,18 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <unordered_map>
 #include <vector>
 
 /** \file
  * What two maps of a team say for and against a pose. */
 
 namespace mrpt::fusion {
+
+struct MapFeatures;
+
+/** Returns the bounding box of the matched voxels of a map, in its frame, m. */
+Eigen::AlignedBox3d boxOf(const MapFeatures& map);
 
 /** A set of the obstacles of a map, one bit each. */
 using ObstacleSet = std::vector<uint64_t>;
@@ -56,7 +62,8 @@ class EvidenceOfPair {
 
   /** Returns the evidence near a pose. The pose is first refined by some voxels. If the
    * refined pose is farther away than a fifth of the tolerance of a right pose, the evidence is
-   * that of the given pose. Cost: some milliseconds; microseconds where the maps do not meet. */
+   * that of the given pose. Cost: some milliseconds; microseconds where the maps do not meet or the
+   * evidence is known. */
   const PairEvidence& near(const Eigen::Isometry3d& T_a_b);
   /** Starts anew, as if no pose had been asked for: which evidence answers a question depends on
    * the questions before. The evidence of a pose that was asked for since the last restart is not
@@ -69,10 +76,17 @@ class EvidenceOfPair {
   struct Comparison;
   struct Known {
     Eigen::Vector3d middle;  // middle of B at the pose of the evidence, m
-    bool is_refined;         // the evidence is that of the refined pose
+    bool is_wide;            // answers for all poses within kSlack
     PairEvidence evidence;
     Eigen::Isometry3d asked;  // pose of the question
   };
+  struct Hash {
+    size_t operator()(const Eigen::Vector3i& cell) const;
+  };
+  /** Indices of the known evidence that may answer, by the cell of the middle of B. */
+  using Index = std::unordered_map<Eigen::Vector3i, std::vector<size_t>, Hash>;
+  Eigen::Vector3i cellOf(const Eigen::Vector3d& middle) const;
+  void remember(Known known);
   bool mayMeet(const Eigen::Isometry3d& T_a_b) const;
   bool answers(const Known& known, const Eigen::Isometry3d& T_a_b) const;
   PairEvidence at(const Eigen::Isometry3d& T_a_b) const;
@@ -85,6 +99,7 @@ class EvidenceOfPair {
   Eigen::Vector3d middle_b_;
   std::unique_ptr<Comparison> comparison_;
   std::deque<Known> known_;
+  Index known_in_;
   std::deque<Known> before_;  // known before the last restart
   std::mutex mutex_;
 };

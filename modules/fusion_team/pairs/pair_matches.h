@@ -38,7 +38,9 @@ class EvidenceOfMaps : public TeamEvidence {
   const PairEvidence& near(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const override;
   bool isSame(size_t b, const Eigen::Isometry3d& T, const Eigen::Isometry3d& U) const override;
   bool isSure(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const override;
+  Eigen::AlignedBox3d box(size_t map) const override { return box_[map]; }
   double areaOfObstacle(size_t map) const override { return area_of_obstacle_[map]; }
+  double areaOf(size_t map) const override { return area_[map]; }
   ConflictTolerance tolerance() const override { return conflict_tolerance_; }
   /** Sets the tolerance to a multiple of the shares of conflicts of the clear matches. The
    * tolerance of a place where nothing moves is the least; a fixed share is the largest. People who
@@ -52,7 +54,8 @@ class EvidenceOfMaps : public TeamEvidence {
    * see doc/decisions/037-team.md. */
   static constexpr ConflictTolerance kLeastTolerance{0.03, 0.01};
   const std::vector<RobotMap>& maps_;
-  std::vector<double> area_of_obstacle_;
+  std::vector<double> area_of_obstacle_, area_;
+  std::vector<Eigen::AlignedBox3d> box_;
   std::vector<std::vector<std::shared_ptr<EvidenceOfPair>>> pairs_;  // by a and b - a - 1
   std::vector<std::vector<std::optional<Eigen::Isometry3d>>> sure_;  // T_a_b, by a and b - a - 1
   std::vector<Eigen::Vector3d> middle_;

@@ -21,6 +21,10 @@ Isometry3d at(double x, double y) {
   return T;
 }
 
+Eigen::AlignedBox3d everywhere() {
+  return {Eigen::Vector3d::Constant(-1e3), Eigen::Vector3d::Constant(1e3)};
+}
+
 /** Maps 0 and 1 are of one place, maps 3 and 4 of another. Map 2 is a stranger: it confirms a part
  * of map 0 at a place where it contradicts map 1. */
 class TwoPlaces : public TeamEvidence {
@@ -32,7 +36,9 @@ class TwoPlaces : public TeamEvidence {
     return (T.translation() - U.translation()).norm() < 0.6;
   }
   bool isSure(size_t, size_t, const Isometry3d&) const override { return false; }
+  Eigen::AlignedBox3d box(size_t) const override { return everywhere(); }
   double areaOfObstacle(size_t) const override { return 1; }
+  double areaOf(size_t) const override { return 64; }
   ConflictTolerance tolerance() const override { return {0.5, 0.5}; }
   const PairEvidence& near(size_t a, size_t b, const Isometry3d& T) const override {
     const ObstacleSet low{0xffffffffU}, high{0xffffffff00000000U}, few{0xfffff00000000U}, no{0};

@@ -26,6 +26,10 @@ Isometry3d at(double x, double y, double yaw = 0) {
   return T;
 }
 
+Eigen::AlignedBox3d everywhere() {
+  return {Eigen::Vector3d::Constant(-1e3), Eigen::Vector3d::Constant(1e3)};
+}
+
 /** Four maps on a square of 10 m. Neighbours confirm 32 of 64 obstacles of each other at the right
  * pose; at any other pose at which they meet, 16 obstacles lie in free space. Diagonal maps do not
  * meet at the right pose. */
@@ -43,7 +47,9 @@ class Square : public TeamEvidence {
     return (T.translation() - U.translation()).norm() < 0.6;
   }
   bool isSure(size_t, size_t, const Isometry3d&) const override { return false; }
+  Eigen::AlignedBox3d box(size_t) const override { return everywhere(); }
   double areaOfObstacle(size_t) const override { return 1; }
+  double areaOf(size_t) const override { return 64; }
   ConflictTolerance tolerance() const override { return {0.03, 0.01}; }
   const PairEvidence& near(size_t a, size_t b, const Isometry3d& T) const override {
     static const PairEvidence none{},
@@ -187,7 +193,9 @@ class Places : public TeamEvidence {
     return (T.translation() - U.translation()).norm() < 0.6;
   }
   bool isSure(size_t, size_t, const Isometry3d&) const override { return false; }
+  Eigen::AlignedBox3d box(size_t) const override { return everywhere(); }
   double areaOfObstacle(size_t) const override { return 1; }
+  double areaOf(size_t) const override { return 64 * double(maps_); }
   ConflictTolerance tolerance() const override { return {0.03, 0.01}; }
   const PairEvidence& near(size_t a, size_t b, const Isometry3d& T) const override {
     static const PairEvidence none{};

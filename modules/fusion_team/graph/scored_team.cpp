@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Keeps the score of a configuration up to date. */
+#include "fusion_team/graph/scored_team.h"
+
+#include <algorithm>
+
+namespace mrpt::fusion {
+namespace {
+
+using Eigen::Isometry3d;
+
+void unite(ObstacleSet& all, const ObstacleSet& more) {
+  if (all.empty()) all.resize(more.size());
+  for (size_t w = 0; w < more.size(); w++) all[w] |= more[w];
+}
+
+/** Returns the number of obstacles in a set that are not in another set. */
+double countOfNew(const ObstacleSet& more, const ObstacleSet& known) {
+  if (known.empty()) return countOf(more);
+  size_t n = 0;
+  for (size_t w = 0; w < more.size(); w++)
+    n += static_cast<size_t>(__builtin_popcountll(more[w] & ~known[w]));
+  return static_cast<double>(n);
+}
+
+}  // namespace
+
+void unite(KnownObstacles& all, const ComparedObstacles& more, bool is_sure) {
+  unite(all.confirmed, more.confirmed);
+  unite(is_sure ? all.explained : all.displaced, more.displaced);
+  unite(is_sure ? all.explained : all.contradicted, more.contradicted);
+}
+
+ScoredTeam::ScoredTeam(const Configuration& configuration, const TeamEvidence& evidence)
+    : evidence_(&evidence),
+      tolerance_(evidence.tolerance()),
+      pose_(evidence.size()),
+      box_(evidence.size()),
+      relations_(evidence.size()),
+      known_(evidence.size()) {
+  for (size_t k = 0; k < configuration.pose.size(); k++)
+    if (configuration.pose[k]) place(k, *configuration.pose[k]);
+}
+
+double ScoredTeam::score() const {
+  double sum = 0;
+  for (size_t k = 0; k < known_.size(); k++) sum += scoreOf(known_[k], k);
+  return sum;
+}
+
+Relation ScoredTeam::relation(size_t map, const Isometry3d& T, size_t placed) const {
+  const Isometry3d& T_placed = *pose_[placed];
+  if (placed < map) {
+    const Isometry3d T_a_b = T_placed.inverse() * T;
+    return {&evidence_->near(placed, map, T_a_b), false, evidence_->isSure(placed, map, T_a_b)};
+  }
+  const Isometry3d T_a_b = T.inverse() * T_placed;
+  return {&evidence_->near(map, placed, T_a_b), true, evidence_->isSure(map, placed, T_a_b)};
+}
+
+std::vector<size_t> ScoredTeam::mapsAt(const Eigen::AlignedBox3d& box) const {
+  std::vector<size_t> maps;
+  for (size_t k = 0; k < pose_.size(); k++)
+    if (pose_[k] && box_[k].intersects(box)) maps.push_back(k);
+  return maps;
+}
+
+void ScoredTeam::place(size_t map, const Isometry3d& T) {
+  box_[map] = boxAt(map, T);
+  for (const size_t other : mapsAt(box_[map])) {
+    const Relation r = relation(map, T, other);
+    if (r.own().confirmed.empty()) continue;
+    relations_[map].emplace_back(other, r);
+    relations_[other].emplace_back(map, r.inverse());
+    unite(known_[map], r.own(), r.is_sure);
+    unite(known_[other], r.others(), r.is_sure);
+  }
+  pose_[map] = T;
+}
+
+void ScoredTeam::remove(size_t map) {
+  for (const auto& [other, r] : relations_[map]) {
+    auto& of_other = relations_[other];
+    of_other.erase(std::find_if(of_other.begin(), of_other.end(),
+                                [&](const auto& entry) { return entry.first == map; }));
+    known_[other] = {};
+    for (const auto& [k, s] : of_other) unite(known_[other], s.own(), s.is_sure);
+  }
+  relations_[map].clear();
+  known_[map] = {};
+  pose_[map].reset();
+}
+
+double ScoredTeam::scoreOf(const KnownObstacles& o, size_t map) const {
+  return evidence_->areaOfObstacle(map) *
+         (countOf(o.confirmed) - countOf(o.displaced) / tolerance_.displaced -
+          countOf(o.contradicted) / tolerance_.contradicted -
+          countOf(o.explained) / tolerance_.explained);
+}
+
+double ScoredTeam::openArea(size_t map) const {
+  return evidence_->areaOf(map) - evidence_->areaOfObstacle(map) * countOf(known_[map].confirmed);
+}
+
+double ScoredTeam::gainOf(size_t placed, const ComparedObstacles& more, bool is_sure) const {
+  const KnownObstacles& known = known_[placed];
+  double conflicts = 0;
+  if (!is_sure) {
+    conflicts = countOfNew(more.displaced, known.displaced) / tolerance_.displaced +
+                countOfNew(more.contradicted, known.contradicted) / tolerance_.contradicted;
+  } else {  // the two sets are disjoint
+    conflicts = (countOfNew(more.displaced, known.explained) +
+                 countOfNew(more.contradicted, known.explained)) /
+                tolerance_.explained;
+  }
+  return evidence_->areaOfObstacle(placed) *
+         (countOfNew(more.confirmed, known.confirmed) - conflicts);
+}
+
+Addition::Addition(size_t map, const Isometry3d& T, const ScoredTeam& team, double least)
+    : map_(map), T_(T), least_(least), box_(team.boxAt(map, T)), open_(team.mapsAt(box_)) {
+  // The nearest map says most.
+  const auto distance = [&](size_t k) {
+    return (team.box(k).center() - box_.center()).squaredNorm();
+  };
+  std::stable_sort(open_.begin(), open_.end(),
+                   [&](size_t i, size_t j) { return distance(i) > distance(j); });
+}
+
+double Addition::openArea(const ScoredTeam& team) const {
+  const TeamEvidence& evidence = team.evidence();
+  double area = evidence.areaOf(map_) - evidence.areaOfObstacle(map_) * countOf(known_.confirmed);
+  for (const size_t k : open_) area += team.openArea(k);
+  return area;
+}
+
+double Addition::gain(const ScoredTeam& team) {
+  if (is_current_) return gain_;
+  double of_others = 0;
+  for (const auto& [k, r] : asked_) of_others += team.gainOf(k, r.others(), r.is_sure);
+  gain_ = of_others + team.scoreOf(known_, map_);
+  while (!open_.empty() && gain_ + openArea(team) > least_) {
+    const size_t k = open_.back();
+    open_.pop_back();
+    const Relation r = team.relation(map_, T_, k);
+    if (r.own().confirmed.empty()) continue;
+    asked_.emplace_back(k, r);
+    unite(known_, r.own(), r.is_sure);
+    of_others += team.gainOf(k, r.others(), r.is_sure);
+    gain_ = of_others + team.scoreOf(known_, map_);
+  }
+  if (!open_.empty()) gain_ = std::min(gain_, least_);
+  is_current_ = true;
+  return gain_;
+}
+
+void Addition::update(const ScoredTeam& team, size_t placed, const std::vector<bool>& changed) {
+  if (team.box(placed).intersects(box_)) {
+    open_.push_back(placed);
+    is_current_ = false;
+  }
+  const auto is_changed = [&](size_t k) { return changed[k]; };
+  is_current_ = is_current_ && std::none_of(open_.begin(), open_.end(), is_changed) &&
+                std::none_of(asked_.begin(), asked_.end(),
+                             [&](const auto& entry) { return changed[entry.first]; });
+}
+
+}  // namespace mrpt::fusion

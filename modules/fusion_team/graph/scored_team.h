@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Geometry>
+#include <utility>
+#include <vector>
+
+#include "fusion_team/graph/team_graph.h"
+
+/** \file
+ * The score of a configuration, updated where a map is placed or taken out. */
+
+namespace mrpt::fusion {
+
+/** Obstacles of a map, compared with all other placed maps. */
+struct KnownObstacles : ComparedObstacles {
+  ObstacleSet explained;  ///< Obstacles in the free space of a map with a sure match
+};
+
+/** What two placed maps say about each other, seen from one of them. */
+struct Relation {
+  const PairEvidence* evidence;  ///< Evidence of the pair
+  bool is_a;                     ///< True if this map is map A of the evidence
+  bool is_sure;                  ///< True if a sure match places the maps so
+
+  /** Obstacles of this map. */
+  const ComparedObstacles& own() const { return is_a ? evidence->of_a : evidence->of_b; }
+  /** Obstacles of the other map. */
+  const ComparedObstacles& others() const { return is_a ? evidence->of_b : evidence->of_a; }
+  Relation inverse() const { return {evidence, !is_a, is_sure}; }
+};
+
+/** Adds to the known obstacles of a map what another map says about them. */
+void unite(KnownObstacles& all, const ComparedObstacles& more, bool is_sure);
+
+/** A configuration with its score. Only the maps that meet a map change when it is placed. The
+ * evidence must outlive it. */
+class ScoredTeam {
+ public:
+  ScoredTeam(const Configuration& configuration, const TeamEvidence& evidence);
+
+  const TeamEvidence& evidence() const { return *evidence_; }
+  /** Returns the poses with their score: the confirmed area of all placed maps less the displaced,
+   * the contradicted and the explained area, each over its TeamEvidence::tolerance(). */
+  Configuration configuration() const { return {pose_, score()}; }
+  double score() const;
+  bool isPlaced(size_t map) const { return pose_[map].has_value(); }
+  const std::optional<Eigen::Isometry3d>& pose(size_t map) const { return pose_[map]; }
+
+  /** Places a map that is not placed. Cost: O(n) boxes, and the evidence of the maps that meet. */
+  void place(size_t map, const Eigen::Isometry3d& T);
+  /** Takes a placed map out. Cost: the maps that meet it, each with the maps that meet it. */
+  void remove(size_t map);
+
+  /** Returns the bounding box of a map at a pose, in the frame of the configuration. */
+  Eigen::AlignedBox3d boxAt(size_t map, const Eigen::Isometry3d& T) const {
+    return evidence_->box(map).transformed(T);
+  }
+  /** Returns the bounding box of a placed map. */
+  const Eigen::AlignedBox3d& box(size_t map) const { return box_[map]; }
+  /** Returns the placed maps whose boxes meet a box. */
+  std::vector<size_t> mapsAt(const Eigen::AlignedBox3d& box) const;
+
+  /** Returns what a map at a pose and a placed map say about each other, seen from the first. */
+  Relation relation(size_t map, const Eigen::Isometry3d& T, size_t placed) const;
+  /** Returns the placed maps that say something about a placed map, in the order of placement. */
+  const std::vector<std::pair<size_t, Relation>>& relations(size_t map) const {
+    return relations_[map];
+  }
+  /** Returns the area of a placed map that no other map confirms yet. */
+  double openArea(size_t map) const;
+  /** Returns the increase of a placed map's score by what another map says about it. */
+  double gainOf(size_t placed, const ComparedObstacles& more, bool is_sure) const;
+  /** Returns the score of a map with some known obstacles. */
+  double scoreOf(const KnownObstacles& known, size_t map) const;
+  const KnownObstacles& known(size_t map) const { return known_[map]; }
+
+ private:
+  const TeamEvidence* evidence_;
+  ConflictTolerance tolerance_;
+  std::vector<std::optional<Eigen::Isometry3d>> pose_;
+  std::vector<Eigen::AlignedBox3d> box_;
+  std::vector<std::vector<std::pair<size_t, Relation>>> relations_;
+  std::vector<KnownObstacles> known_;
+};
+
+/** A map that may be placed at a pose, and what the placed maps say about it. It asks for the
+ * evidence of the placed maps one after another, and only while its gain may still exceed a bound:
+ * a map that one placed map contradicts need not be compared with all others. */
+class Addition {
+ public:
+  /** \param[in] map,T The map and its pose.
+   * \param[in] team The placed maps.
+   * \param[in] least A smaller gain is of no interest. */
+  Addition(size_t map, const Eigen::Isometry3d& T, const ScoredTeam& team, double least = 0);
+
+  size_t map() const { return map_; }
+  const Eigen::Isometry3d& pose() const { return T_; }
+  const Eigen::AlignedBox3d& box() const { return box_; }
+
+  /** Returns the increase of the team's score by the map. A gain of at most \a least is not exact,
+   * but not above \a least. */
+  double gain(const ScoredTeam& team);
+  /** Returns an upper bound of the gain: all that may be confirmed. */
+  double mostGain(const ScoredTeam& team) const { return gain_ + openArea(team); }
+  /** Tells that the team has placed one more map.
+   * \param[in] placed The map. \param[in] changed True for the maps that meet it. */
+  void update(const ScoredTeam& team, size_t placed, const std::vector<bool>& changed);
+
+ private:
+  double openArea(const ScoredTeam& team) const;
+
+  size_t map_;
+  Eigen::Isometry3d T_;
+  double least_;
+  Eigen::AlignedBox3d box_;
+  std::vector<size_t> open_;                        // maps to ask, the next one is the last
+  std::vector<std::pair<size_t, Relation>> asked_;  // maps that say something
+  KnownObstacles known_;
+  double gain_ = 0;
+  bool is_current_ = false;  // gain_ is that of the team as it is
+};
+
+}  // namespace mrpt::fusion
