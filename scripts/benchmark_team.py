@@ -1,26 +1,39 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""benchmark_team.py [--building NAME] [--robots N] [--seeds A:B] [--build DIR]: fuses the maps of simulated teams.
+"""benchmark_team.py [--mixed] [--building NAME] [--robots N] [--seeds A:B] ...: fuses the maps of simulated teams.
 
-N robots drive on the ring of corridors of the simulated office, or through the hall of the lobby. Each robot
-drives its share of the way and some metres more, with its own errors and its own frame. The maps are fused
-without a guess. Prints for each seed the number of placed robots, of placed robots whose pose is wrong
-(0.3 m or 1.5 deg), and the CPU time.
+N robots drive on the ring of corridors of the simulated office, through the hall of the lobby, or along the
+corridor of a real building. Each robot drives its share of the way and some metres more, with its own errors
+and its own frame. Strangers are robots of another building. The maps are fused without a guess, by team-benchmark
+(cmake -DMRPT_FUSION_BUILD_BENCHMARKS=ON), and by two baselines on the same matches: growth of the first map by the
+most probable accepted match, and the spanning tree of the most probable matches. --false-edges adds matches that
+claim to be sure and are wrong: half of them are shifts by a bay that agree with each other.
+
+Prints for each mission and method the placed robots, the wrong ones (0.3 m or 1.5 deg, or a stranger), those that are
+left out, the mean NEES of the right ones (6 degrees of freedom), and the CPU time. --table keeps one line for each
+robot.
 """
 import argparse
-import json
+import csv
 import math
 import random
 import re
-import resource
+import shutil
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
 PROJECT = Path(__file__).resolve().parent.parent
 WAYS = {"office": [(17.0, 6.65), (34.5, 6.65), (34.5, 33.35), (17.0, 33.35), (17.0, 6.65)],  # m
-        "lobby": [(5, 7.6), (12.4, 7.6), (16, 7.8), (23.7, 7.8), (31.3, 7.8), (35, 7.6)]}
-ASIDE = {"office": 0.3, "lobby": 0.0}  # robots drive at most so far beside the way, m
+        "lobby": [(5, 7.6), (12.4, 7.6), (16, 7.8), (23.7, 7.8), (31.3, 7.8), (35, 7.6)],
+        "corridor": [(-5.5, -0.4), (0.5, 0.6), (0.6, 0.3), (2.4, -0.4), (3.4, 0), (4.2, -0.4), (10, -0.4),
+                     (11.4, -0.1), (12.5, -0.4), (15.2, -0.4), (15.62, -0.9), (17, 0.6), (21.13, -0.6), (24, 0.6),
+                     (26.5, 0.5)]}
+ASIDE = {"office": 0.3, "lobby": 0.0, "corridor": 0.0}  # robots drive at most so far beside the way, m
+SETTINGS = {"office": "office", "lobby": "lobby", "corridor": "geb079"}  # of the simulator
+ANOTHER = {"office": "lobby", "lobby": "office", "corridor": "office"}  # building of the strangers
+STRANGERS_SHARE = 8  # a stranger drives so many-th of the way of its building
 MAX_ERROR_M, MAX_ERROR_DEG = 0.3, 1.5
 
 
@@ -39,13 +52,15 @@ def piece_of(way, begin, end):
     return points
 
 
-def write_mission(seed, building, robots, delay, path):
+def write_mission(path, seed, building, robots, delay, drift=1.0, count=None):
+    """Writes a mission of the simulator. count: only so many robots of the mission drive."""
     draw, way = random.Random(seed), WAYS[building]
     is_ring, length = way[0] == way[-1], sum(math.dist(a, b) for a, b in zip(way, way[1:]))
-    common = (PROJECT / f"tests/simulator/{building}.ini").read_text(encoding="utf-8").split("[robot_a]")[0]
+    common = (PROJECT / f"tests/simulator/{SETTINGS[building]}.ini").read_text(encoding="utf-8").split("[robot_a]")[0]
+    common = re.sub(r"(?m)^(drift_\w+ = )(.*)", lambda m: f"{m[1]}{drift * float(m[2]):g}", common)
     text = [re.sub(r"(?m)^seed = .*", f"seed = {100 * seed}", common)]
     start = draw.uniform(0, length) if is_ring else 0
-    for i in range(robots):
+    for i in range(robots if count is None else count):
         begin = start + i * length / robots + draw.uniform(-1, 1)
         end = begin + length / robots + draw.uniform(4.5, 6.5)
         if is_ring and begin < 0:
@@ -70,67 +85,131 @@ map_frame = {points[0][0]:.3f} {points[0][1]:.3f} 0.02 {draw.uniform(-180, 180):
     path.write_text("\n".join(text), encoding="utf-8")
 
 
-def product(a, b):
-    return [[sum(a[r][k] * b[k][c] for k in range(4)) for c in range(4)] for r in range(4)]
+def world_of(building, build):
+    if building != "corridor":
+        return building
+    return subprocess.run([PROJECT / "scripts/find_geb079.sh", build], check=True, capture_output=True,
+                          text=True).stdout.strip()
 
 
-def inverse(t):
-    r = [[t[c][r] for c in range(3)] for r in range(3)]
-    p = [-sum(r[i][k] * t[k][3] for k in range(3)) for i in range(3)]
-    return [[*r[i], p[i]] for i in range(3)] + [[0, 0, 0, 1]]
-
-
-def is_wrong(pose, truth):
-    d = product(inverse(truth), pose)
-    angle = math.acos(max(-1, min(1, (d[0][0] + d[1][1] + d[2][2] - 1) / 2)))
-    return math.hypot(d[0][3], d[1][3], d[2][3]) > MAX_ERROR_M or math.degrees(angle) > MAX_ERROR_DEG
-
-
-def fuse(seed, building, robots, build, folder):
-    """Number of placed robots, number of wrong robots, CPU seconds."""
+def simulate(mission, building, build, folder):
+    """Makes robot_I.ot and T_robot_I_w.txt in a folder. \a mission: keywords of write_mission() but the delay."""
+    world = world_of(building, build)
     for delay in range(0, 1000, 37):  # people may stand in the way
-        write_mission(seed, building, robots, delay, folder / "mission.ini")
-        simulated = subprocess.run(
-            [build / "bin/simulate-robots", folder / "mission.ini", "--world", building, "--out", folder],
-            check=False, capture_output=True, text=True)
+        write_mission(folder / "mission.ini", building=building, delay=delay, **mission)
+        simulated = subprocess.run([build / "bin/simulate-robots", folder / "mission.ini", "--world", world, "--out",
+                                    folder], check=False, capture_output=True, text=True)
         if simulated.returncode == 0:
             break
     else:
         raise SystemExit(simulated.stderr)
-    maps = []
-    for i in range(robots):
-        maps.append(folder / f"robot_{i}.ot")
-        subprocess.run([build / "bin/map-fusion", "build", "-q", folder / f"robot_{i}.rawlog", "-o", maps[-1]],
-                       check=True)
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run([build / "bin/map-fusion", "fuse", "-q", *maps, "-o", folder / "fused.ot", "--json",
-                    folder / "fused.json"], check=False, stderr=subprocess.DEVNULL)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    report = json.loads((folder / "fused.json").read_text(encoding="utf-8"))
-    truth = [[[float(v) for v in line.split()] for line in
-              (folder / f"T_robot_{i}_w.txt").read_text(encoding="utf-8").split("\n") if line]
-             for i in range(robots)]
-    placed = [i for i, robot in enumerate(report["robots"]) if robot["joined"]]
-    wrong = [i for i in placed if i > 0 and is_wrong(report["robots"][i]["pose"]["matrix"],
-                                                    product(truth[0], inverse(truth[i])))]
-    return len(placed), len(wrong), after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    for rawlog in sorted(folder.glob("robot_*.rawlog")):
+        subprocess.run([build / "bin/map-fusion", "build", "-q", rawlog, "-o", rawlog.with_suffix(".ot")], check=True)
+        rawlog.unlink()
+    (folder / "all.rawlog").unlink()
+
+
+def mixed(seed, options):
+    """Options of a mission that is drawn by its seed."""
+    draw, mission = random.Random(7 * seed + 1), argparse.Namespace(**vars(options))
+    mission.building = draw.choice(["office", "office", "lobby", "corridor"])
+    mission.robots = draw.randint(6, 10) if mission.building == "office" else draw.randint(4, 6)
+    mission.strangers = draw.choice([0, 0, 1, 2])
+    mission.drift = draw.choice([1, 1, 1, 3])
+    return mission
+
+
+def make_maps(seed, options, folder):
+    """Makes the maps of a mission: robots with the pose of the world in their frames, strangers without."""
+    simulate({"seed": seed, "robots": options.robots, "drift": options.drift}, options.building, options.build, folder)
+    if options.strangers == 0:
+        return
+    with tempfile.TemporaryDirectory() as other:
+        simulate({"seed": seed, "robots": STRANGERS_SHARE, "drift": options.drift, "count": options.strangers},
+                 ANOTHER[options.building], options.build, Path(other))
+        for i in range(options.strangers):
+            shutil.move(Path(other) / f"robot_{i}.ot", folder / f"stranger_{i}.ot")
+
+
+def number(text):
+    return float(text) if text else None
+
+
+def summary(rows):
+    """Text on the maps of one mission, or of many, by one method."""
+    robots = [r for r in rows if r["is_stranger"] == "0"]
+    placed = [r for r in rows if r["placed"] == "1"]
+    wrong = [r for r in placed if not (number(r["error_m"]) <= MAX_ERROR_M and number(r["error_deg"]) <= MAX_ERROR_DEG)]
+    nees = [number(r["nees"]) for r in placed if r["nees"] and r not in wrong]
+    text = (f"{sum(r['is_stranger'] == '0' for r in placed)} of {len(robots)} placed, {len(wrong)} wrong, "
+            f"{len(robots) - sum(r['is_stranger'] == '0' for r in placed)} left out")
+    if len(robots) < len(rows):
+        text += f", {sum(r['is_stranger'] == '1' for r in placed)} of {len(rows) - len(robots)} strangers placed"
+    return text + (f", NEES {sum(nees) / len(nees):.1f}" if nees else "")
+
+
+def groups_of(rows):
+    """Lines by kind of matches and method, in the order of the table."""
+    groups = {}
+    for row in rows:
+        groups.setdefault((row["edges"], row["method"]), []).append(row)
+    return groups
+
+
+def print_groups(title, rows):
+    print(title)
+    for (edges, method), group in groups_of(rows).items():
+        name = method + (" with false matches" if edges == "false" else "")
+        cpu = {r["mission"]: float(r["cpu_s"]) for r in group if r["cpu_s"]}  # without the maps' simulation
+        print(f"  {name:26} {summary(group)}" + (f", {sum(cpu.values()) / len(cpu):.1f} s CPU" if cpu else ""))
+    sys.stdout.flush()
+
+
+def fuse(folder, seed, options):
+    """Lines of the table of a mission."""
+    run = subprocess.run([options.build / "bin/team-benchmark", folder, "--false-edges", str(options.false_edges),
+                          "--seed", str(seed), "--threads", str(options.threads)], check=True, capture_output=True,
+                         text=True)
+    return list(csv.DictReader(run.stdout.splitlines()))
+
+
+def missions_of(options):
+    """Lines of the table of each mission: new missions, or those of kept folders."""
+    first, end = (int(s) for s in options.seeds.split(":"))
+    for seed in range(first, end):
+        with tempfile.TemporaryDirectory() as scratch:
+            folder = Path(scratch) / str(seed) if options.keep is None else options.keep / str(seed)
+            if not (folder / "mission.ini").exists():
+                folder.mkdir(parents=True)
+                make_maps(seed, mixed(seed, options) if options.mixed else options, folder)
+            yield seed, fuse(folder, seed, options)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--mixed", action="store_true",
+                        help="the seed draws building, number of robots (4 to 10), strangers (0 to 2) and drift (1, 3)")
     parser.add_argument("--building", choices=sorted(WAYS), default="office")
     parser.add_argument("--robots", type=int, default=8)
+    parser.add_argument("--strangers", type=int, default=0, help="robots of another building, at most 8")
+    parser.add_argument("--drift", type=float, default=1, help="factor of the drift (default: %(default)s)")
+    parser.add_argument("--false-edges", type=float, default=0, help="number of false matches over the number of pairs")
     parser.add_argument("--seeds", default="1:11", help="first and end (default: %(default)s)")
+    parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--keep", type=Path, help="folder of the maps: kept, and used if they are there")
+    parser.add_argument("--table", type=Path, help="CSV file with a line for each map")
     parser.add_argument("--build", type=Path, default=PROJECT / "build")
-    arguments = parser.parse_args()
-    first, end = (int(s) for s in arguments.seeds.split(":"))
-    total = [0, 0]
-    for seed in range(first, end):
-        with tempfile.TemporaryDirectory() as folder:
-            placed, wrong, seconds = fuse(seed, arguments.building, arguments.robots, arguments.build, Path(folder))
-        total = [total[0] + placed, total[1] + wrong]
-        print(f"seed {seed:3}: {placed} of {arguments.robots} placed, {wrong} wrong, {seconds:.1f} s CPU", flush=True)
-    print(f"all: {total[0]} of {arguments.robots * (end - first)} placed, {total[1]} wrong")
+    options = parser.parse_args()
+    table = []
+    for seed, rows in missions_of(options):
+        table += rows
+        print_groups(f"seed {seed}:", rows)
+    print_groups(f"all missions of seeds {options.seeds}:", table)
+    if options.table and table:
+        with open(options.table, "w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, fieldnames=list(table[0]))
+            writer.writeheader()
+            writer.writerows(table)
 
 
 if __name__ == "__main__":

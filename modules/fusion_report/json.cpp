@@ -29,15 +29,19 @@ Json poseJson(const mrpt::poses::CPose3D& p) {
           {"matrix", matrix}};
 }
 
-Json poseJson(const mrpt::poses::CPose3DPDFGaussian& p) {
-  Json json = poseJson(p.mean);
+Json covarianceJson(const mrpt::poses::CPose3DPDFGaussian& p) {
   Json covariance = Json::array();
   for (int row = 0; row < 6; row++) {
     Json values = Json::array();
     for (int col = 0; col < 6; col++) values.push_back(p.cov(row, col));
     covariance.push_back(values);
   }
-  json["covariance"] = covariance;
+  return covariance;
+}
+
+Json poseJson(const mrpt::poses::CPose3DPDFGaussian& p) {
+  Json json = poseJson(p.mean);
+  json["covariance"] = covarianceJson(p);
   return json;
 }
 
@@ -188,6 +192,8 @@ std::string toJson(const Report& r) {
       member["matched_with"] = m.matched_with;
       if (!m.fits.empty()) member["fits"] = m.fits;
       member["pose"] = poseJson(m.pose);
+      member["covariance"] = covarianceJson(m.pose);
+      member["probability"] = m.alignment.evaluation.probability;
       member["match"] = matchJson(m.alignment);
     }
     json["robots"].push_back(member);

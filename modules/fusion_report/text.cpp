@@ -12,6 +12,7 @@
 #include <ostream>
 #include <string>
 
+#include "fusion_base/percent_text.h"
 #include "fusion_base/printable.h"
 
 namespace mrpt::fusion {
@@ -63,9 +64,11 @@ void printReasons(const Evaluation& e, std::ostream& out) {
 void printMember(const FusionMember& m, std::ostream& out) {
   if (!m.hasMatch()) return line(out, "%-16s first map, its frame is kept", m.robot.c_str());
   const auto& e = m.alignment.evaluation;
-  line(out, "%-16s %s%s, pose %s, overlap %.1f %%", m.robot.c_str(),
+  const std::string sure = m.alignment.by_edges ? "" : ", probability " + percent(e.probability);
+  line(out, "%-16s %s%s, pose %s, overlap %.1f %%%s", m.robot.c_str(),
        m.alignment.by_edges ? "placed by edges" : verdictOf(e),
-       m.joined && !e.accepted ? ", forced" : "", poseText(m.pose.mean).c_str(), 100 * e.overlap);
+       m.joined && !e.accepted ? ", forced" : "", poseText(m.pose.mean).c_str(), 100 * e.overlap,
+       sure.c_str());
   if (!m.alignment.by_edges) printReasons(e, out);
 }
 

@@ -247,7 +247,9 @@ void bindMember(py::module_& m) {
           "4x4 pose in the frame of the fused map, m. It is trusted if the map has joined.")
       .def_property_readonly(
           "covariance", [](const FusionMember& self) { return covarianceArrayOf(self.pose); },
-          "6x6 covariance of the pose, see Match.covariance.")
+          "6x6 covariance of the pose, see Match.covariance. In a team: the joint covariance from "
+          "all "
+          "matches that hold the map.")
       .def_readonly("matched_with", &FusionMember::matched_with,
                     "Robot whose map is map A of the match; '' for the first map.")
       .def_readonly("fits", &FusionMember::fits,

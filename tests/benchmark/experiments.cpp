@@ -266,7 +266,7 @@ void judgeVerdicts(const MapPair& pair, const Effort& effort, std::ostream& csv)
       PoseError error = errorOf(result.T_a_b, of);
       if (!has_truth) error.centre = std::numeric_limits<double>::infinity();
       writeRow(csv, pair.name, guess, overlap, i, error.centre, degrees(error.angle),
-               result.probability, neesOf(result.T_a_b, result.covariance.value(), of),
+               result.probability, neesOf(result.T_a_b, result.covariance.value(), of.T_a_b),
                verdictText(result.accepted), result.overlap, result.conflict_ratio,
                result.runner_up, result.inlier_ratio, result.rival_support);
     };

@@ -189,8 +189,8 @@ std::shared_ptr<const octomap::OcTree> withAThirdOfObstacles(const octomap::OcTr
 }
 
 double neesOf(const Eigen::Isometry3d& T_a_b, const Eigen::Matrix<double, 6, 6>& covariance,
-              const MapPair& pair) {
-  const Eigen::Isometry3d off = pair.T_a_b * T_a_b.inverse();
+              const Eigen::Isometry3d& truth) {
+  const Eigen::Isometry3d off = truth * T_a_b.inverse();
   const Eigen::AngleAxisd turn(off.linear());
   Eigen::Matrix<double, 6, 1> error;
   error << off.translation(), turn.angle() * turn.axis();

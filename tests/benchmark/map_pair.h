@@ -57,7 +57,7 @@ PoseError errorOf(const Eigen::Isometry3d& T_a_b, const MapPair& pair);
 /** The normalised estimation error squared: the error by a covariance of a left perturbation
  * (translation, rotation); its mean is 6 where the covariance means what it says. */
 double neesOf(const Eigen::Isometry3d& T_a_b, const Eigen::Matrix<double, 6, 6>& covariance,
-              const MapPair& pair);
+              const Eigen::Isometry3d& truth);
 
 /** A map with each leaf's log-odds as \a change has it; what becomes NaN is unknown. */
 std::shared_ptr<const octomap::OcTree> changed(

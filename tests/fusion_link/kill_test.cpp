@@ -25,7 +25,7 @@
 
 using namespace map_tests;
 
-namespace mrpt::fusion::test {
+namespace mrpt::fusion::test::kill_test {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -161,4 +161,4 @@ TEST(TeamExchange, AKillLosesNothingThatWasAcknowledged) {
 }
 
 }  // namespace
-}  // namespace mrpt::fusion::test
+}  // namespace mrpt::fusion::test::kill_test

@@ -160,6 +160,9 @@ TEST(ReportAsJson, HoldsTheRobotsOfATeam) {
   EXPECT_FALSE(robots[0].contains("match")) << "the others are matched with the first map";
   EXPECT_FALSE(robots[1].at("joined"));
   EXPECT_EQ(robots[1].at("match").at("pairs"), 100);
+  EXPECT_EQ(robots[1].at("covariance"), robots[1].at("pose").at("covariance"));
+  EXPECT_EQ(robots[1].at("covariance").size(), 6U);
+  EXPECT_EQ(robots[1].at("probability"), robots[1].at("match").at("probability"));
 }
 
 TEST(ReportAsJson, EscapesPathsOfAnyBytes) {

@@ -18,10 +18,8 @@ Matrix6d covarianceAt(VoxelLevel& level, const Pairs& pairs, const Eigen::Isomet
   NormalEquations equations = level.linearize(pairs, T_a_b);
   const GradientScatter gradients = level.scatter(pairs, T_a_b, equations.centre);
   equations.H = heldHessian(level, equations, pairs, T_a_b, step, params);
-  Matrix6d covariance = poseCovariance(equations, pairs.size(), gradients);
-  // Floors and walls along the grid all have the same offset from the centres of their voxels.
-  covariance.topLeftCorner<3, 3>() += level.commonVariance() * Eigen::Matrix3d::Identity();
-  return covariance;
+  return poseCovariance(equations, pairs.size(), gradients) +
+         level.commonCovariance(pairs, equations.centre);
 }
 
 Matrix6d heldHessian(LevelProblem& level, const NormalEquations& equations, const Pairs& pairs,

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "fusion_core/map/eigen_solvers.h"
+#include "fusion_core/map/map_voxels.h"
 
 namespace mrpt::fusion {
 
@@ -83,6 +84,20 @@ Matrix6d poseCovariance(const NormalEquations& at_optimum, size_t pairs,
                                 (1 - shrinkage) * inverse_H * scatter.S * inverse_H +
                                 V * unknown.asDiagonal() * V.transpose();
   const Matrix6d J = stepAbout(Eigen::Vector3d::Zero(), at_optimum.centre);
+  return J * about_centre * J.transpose();
+}
+
+Matrix6d commonCovariance(const std::vector<Eigen::Vector3f>& points, double of_shift,
+                          double of_bend, const Eigen::Vector3d& centre) {
+  const Eigen::Vector3d middle = meanOf(points);
+  double squares = 0;
+  for (const auto& p : points) squares += (p.cast<double>() - middle).squaredNorm();
+  // The entries of G are independent. They turn the map by half of the difference of two entries:
+  // half of the variance of an entry.
+  const double of_entry = of_bend * static_cast<double>(points.size()) / std::max(squares, of_bend);
+  Matrix6d about_centre = of_shift * Matrix6d::Identity();
+  about_centre.bottomRightCorner<3, 3>() = 0.5 * of_entry * Eigen::Matrix3d::Identity();
+  const Matrix6d J = stepAbout(Eigen::Vector3d::Zero(), centre);
   return J * about_centre * J.transpose();
 }
 

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <vector>
 
 #include "fusion_core/registration/normal_equations.h"
 
@@ -37,5 +38,16 @@ PoseDeviation deviationAt(const Matrix6d& covariance, const Eigen::Vector3d& poi
  * \param[in] unknown_variance Variance of directions without information, m^2 or rad^2. */
 Matrix6d poseCovariance(const NormalEquations& at_optimum, size_t pairs,
                         const GradientScatter& scatter = {}, double unknown_variance = 1e6);
+
+/** Returns the covariance of a left perturbation of the pose about the origin of A's frame, for
+ * errors that all pairs have in common: a shift, and a linear field u = G r at the distance r from
+ * the middle. Floors and walls along the grid have the same offset from the centres of their
+ * voxels, and a map may be bent or tilted by a part of a voxel. These errors do not show in the
+ * residuals, because a rigid pose fits them. \param[in] points Points of the pairs, m, any frame.
+ * \param[in] of_shift Variance of the shift in each direction, m^2.
+ * \param[in] of_bend Variance of u in each direction, at the RMS distance, m^2.
+ * \param[in] centre Middle of the pairs, m, A's frame. */
+Matrix6d commonCovariance(const std::vector<Eigen::Vector3f>& points, double of_shift,
+                          double of_bend, const Eigen::Vector3d& centre);
 
 }  // namespace mrpt::fusion

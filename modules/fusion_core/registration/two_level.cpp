@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "fusion_core/registration/observability.h"
+#include "fusion_core/registration/pose_covariance.h"
 #include "fusion_core/registration/residuals.h"
 #include "fusion_core/registration/size_ratio.h"
 
@@ -85,10 +86,15 @@ GradientScatter VoxelLevel::scatter(const Pairs& pairs, const Eigen::Isometry3d&
              : scatterSurfaces(a_, b_, pairs, T_a_b, params_.flatness, centre, side);
 }
 
-double VoxelLevel::commonVariance() const {
+Matrix6d VoxelLevel::commonCovariance(const Pairs& pairs, const Eigen::Vector3d& centre) const {
   // The quantisation error of both grids that remains if surface points replace the centres.
   const double ra = a_.voxels.resolution, rb = b_.voxels.resolution;
-  return params_.covariance.common_share * (ra * ra + rb * rb) / 12;
+  const double share = params_.covariance.common_share;
+  const double of_shift = share * (ra * ra + rb * rb) / 12;
+  std::vector<Eigen::Vector3f> points;
+  points.reserve(pairs.size());
+  for (const Pair& p : pairs) points.push_back(b_.voxels.centre[p.b]);
+  return fusion::commonCovariance(points, of_shift, share * of_shift, centre);
 }
 
 void matchEdges(const MapFeatures& a, const MapFeatures& b, const RegistrationParams& params,

@@ -71,8 +71,10 @@ class VoxelLevel : public LevelProblem {
                           const Eigen::Vector3d& centre) const;
   /** Returns the mean occupancy uncertainty of the maps, see occupancyUncertainty(). */
   double H_m() const { return pairing_.H_m(); }
-  /** Returns the variance of the shift that all pairs have in common, m^2. */
-  double commonVariance() const;
+  /** Returns the covariance of the errors of both grids, see commonCovariance().
+   * \param[in] pairs The pairs.
+   * \param[in] centre Middle of the pairs, m, A's frame. */
+  Matrix6d commonCovariance(const Pairs& pairs, const Eigen::Vector3d& centre) const;
 
  private:
   const SurfaceVoxels &a_, &b_;

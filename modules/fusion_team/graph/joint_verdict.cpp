@@ -88,12 +88,59 @@ void setParents(size_t first, std::vector<Link> links, std::vector<PlacedMap>& m
   }
 }
 
+/** Returns the share of the surface of one of two maps that the other map confirms, the larger
+ * share of both. */
+double overlapOf(size_t i, size_t j, const Configuration& c, const TeamEvidence& evidence) {
+  const size_t a = std::min(i, j), b = std::max(i, j);
+  const PairEvidence& e = evidence.near(a, b, c.pose[a]->inverse() * *c.pose[b]);
+  const auto share = [&](const ComparedObstacles& of_map, size_t map) {
+    return evidence.areaOfObstacle(map) * countOf(of_map.confirmed) / evidence.areaOf(map);
+  };
+  return std::min(1.0, std::max(share(e.of_a, a), share(e.of_b, b)));
+}
+
+/** Returns the reason against the place of a map; empty without one. */
+std::string doubtOn(const PlacedMap& m, const JointVerdictParams& params) {
+  if (m.runner_up > params.max_runner_up)
+    return "another place reaches " +
+           percentBeside(params.max_runner_up, std::min(m.runner_up, 9.99)) +
+           " of the gain of this place, more than " + percent(params.max_runner_up);
+  const double conflicts = m.areas.conflictRatio();
+  if (conflicts > params.max_conflict)
+    return percentBeside(params.max_conflict, conflicts) +
+           " of the obstacles lie in free space of other maps, more than " +
+           percent(params.max_conflict);
+  if (m.probability < params.leastProbability())
+    return "the place is right with a probability of " +
+           percentBeside(params.leastProbability(), m.probability) + ", less than " +
+           percent(params.leastProbability());
+  return "";
+}
+
 }  // namespace
 
 std::string listOf(const std::vector<size_t>& maps, const std::vector<std::string>& names) {
   std::string list;
   for (const size_t k : maps) list += (list.empty() ? "" : ", ") + names[k];
   return list;
+}
+
+std::vector<double> overlapsWith(size_t first, const Configuration& c,
+                                 const TeamEvidence& evidence) {
+  std::vector<double> overlap(c.pose.size(), 0);
+  std::vector<bool> is_reached(c.pose.size(), false);
+  overlap[first] = 1;
+  while (true) {
+    std::optional<size_t> next;
+    for (size_t k = 0; k < overlap.size(); k++)
+      if (!is_reached[k] && overlap[k] > (next ? overlap[*next] : 0)) next = k;
+    if (!next || !c.pose[*next]) return overlap;
+    is_reached[*next] = true;
+    for (size_t k = 0; k < overlap.size(); k++)
+      if (!is_reached[k] && c.pose[k])
+        overlap[k] =
+            std::max(overlap[k], std::min(overlap[*next], overlapOf(*next, k, c, evidence)));
+  }
 }
 
 std::vector<PlacedMap> judgeTeam(const TeamSearchResult& result, const std::vector<JudgedWay>& ways,
@@ -104,32 +151,29 @@ std::vector<PlacedMap> judgeTeam(const TeamSearchResult& result, const std::vect
   std::vector<PlacedMap> maps(n);
   Configuration clear = result.best;  // the maps whose places are clear
   const auto say = [&](size_t k, const std::string& reason) { maps[k].reasons.push_back(reason); };
+  // A map whose place is not clear closes loops of other maps at any of its places: rivals that
+  // move the other maps with it are rivals of the other maps too.
+  const double least_probability = params.leastSureProbability(n);
+  auto links = confirmedLinks(linksOf(result.best, ways, evidence), n, least_probability);
+  const std::vector<bool> confirmed = connectedWith(result.first, n, links);
+  const std::vector<double> overlaps = overlapsWith(result.first, result.best, evidence);
   for (size_t k = 0; k < n; k++) {
     PlacedMap& m = maps[k];
     m.runner_up = result.runner_up[k];
+    m.confirmed = confirmed[k];
     if (!result.best.pose[k]) {
       say(k, "no place agrees with the other maps");
       continue;
     }
     m.areas = areasOf(k, result.best, evidence);
-    if (m.runner_up > params.max_runner_up) {
-      const double limit = params.max_runner_up;
-      say(k, "another place reaches " + percentBeside(limit, std::min(m.runner_up, 9.99)) +
-                 " of the gain of this place, more than " + percent(limit));
-      clear.pose[k].reset();
-    } else if (m.areas.conflictRatio() > params.max_conflict) {
-      say(k, percentBeside(params.max_conflict, m.areas.conflictRatio()) +
-                 " of the obstacles lie in free space of other maps, more than " +
-                 percent(params.max_conflict));
-      clear.pose[k].reset();
-    }
+    m.overlap = overlaps[k];
+    m.probability = params.model.probability(m.runner_up, m.overlap);
+    const std::string doubt = doubtOn(m, params);
+    if (doubt.empty()) continue;
+    say(k, doubt);
+    clear.pose[k].reset();
   }
 
-  const double least_probability = params.leastSureProbability(n);
-  // A map whose place is not clear closes loops of other maps at any of its places: rivals that
-  // move the other maps with it are rivals of the other maps too.
-  auto links = confirmedLinks(linksOf(result.best, ways, evidence), n, least_probability);
-  const std::vector<bool> confirmed = connectedWith(result.first, n, links);
   links.erase(std::remove_if(links.begin(), links.end(),
                              [&](const Link& l) { return !clear.pose[l.a] || !clear.pose[l.b]; }),
               links.end());
@@ -141,7 +185,6 @@ std::vector<PlacedMap> judgeTeam(const TeamSearchResult& result, const std::vect
     for (const Link& link : links)
       if (link.a == k || link.b == k) m.ways_in.push_back(link.a == k ? link.b : link.a);
     if (T_first && result.best.pose[k]) m.pose = T_first->inverse() * *result.best.pose[k];
-    m.confirmed = confirmed[k];
     m.placed = reached[k] && (k == result.first || clear.pose[k]);
     if (k == result.first || !clear.pose[k]) continue;
     if (m.ways_in.empty())

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "fusion_team/graph/configuration.h"
+#include "fusion_team/graph/place_model.h"
 #include "fusion_team/graph/team_search.h"
 
 /** \file
@@ -28,6 +29,10 @@ struct JointVerdictParams {
   /** Largest probability that a wrong pair without a loop is accepted, for all pairs of a map
    * together. */
   double max_risk = 0.15;
+  PlaceModel model;  ///< Probability of a place
+
+  /** Least probability of the place of a placed map. */
+  double leastProbability() const { return 1 - max_risk; }
 
   /** Least probability of a match of one pair that is sure without a loop, in a team of \a n maps.
    */
@@ -45,14 +50,25 @@ struct PlacedMap {
   std::vector<size_t> ways_in;            ///< Maps whose own matches give this place
   double runner_up = 0;                   ///< See TeamSearchResult::runner_up
   TeamAreas areas;                        ///< Evidence of all other placed maps
+  double overlap = 0;                     ///< See overlapsWith()
+  double probability = 0;                 ///< Probability that the pose is right; 0 without a pose
   std::vector<std::string> reasons;       ///< Reasons of the verdict, one sentence each
 };
 
 /** Returns the names of maps, separated by commas. */
 std::string listOf(const std::vector<size_t>& maps, const std::vector<std::string>& names);
 
+/** Returns for each map how far it overlaps with the first map, directly or by other maps, [0,1].
+ * The overlap of two maps is the share of the surface of one of them that the other confirms, the
+ * larger share of both. The overlap of a chain of maps is that of its weakest pair. The result is
+ * that of the best chain to each map; 0 for maps without a pose. So two strangers that overlap each
+ * other are not taken to overlap the team. Cost: O(n^2). */
+std::vector<double> overlapsWith(size_t first, const Configuration& c,
+                                 const TeamEvidence& evidence);
+
 /** Judges the best configuration of a team. A map is placed if
  * - no other place of the map gains nearly as much, and few of its obstacles lie in free space;
+ * - the place is right with a probability of at least 1 - max_risk, see PlaceModel;
  * - a loop of matches connects it with the first map, or a match that is sure without a loop. The
  *   match of one pair is sure if its probability of being wrong is at most max_risk over the
  *   number of pairs that were tried for a map: many pairs have many chances to be wrong. A map

@@ -11,6 +11,7 @@
 
 #include "fusion_base/error_text.h"
 #include "fusion_core/pair/align_from.h"
+#include "fusion_team/graph/pose_graph.h"
 #include "fusion_team/graph/team_groups.h"
 #include "fusion_team/graph/team_links.h"
 #include "fusion_team/pairs/pair_matches.h"
@@ -79,6 +80,40 @@ std::vector<TeamPair> teamPairs(const std::vector<RobotMap>& maps,
   return pairs;
 }
 
+/** Gives some of the maps the poses that their matches with their partners give, partners first.
+ * The partner of a map is placed. */
+template <class IsSome>
+void follow(const std::vector<size_t>& partner, std::vector<FusionMember>& members,
+            const IsSome& is_some) {
+  std::vector<size_t> order{0};
+  for (size_t next = 0; next < order.size(); next++)
+    for (size_t k = 1; k < members.size(); k++) {
+      if (partner[k] != order[next]) continue;
+      order.push_back(k);
+      if (!is_some(k)) continue;
+      const auto in_partner = members[k].alignment.pose();
+      members[k].pose = partner[k] == 0 ? in_partner : members[partner[k]].pose + in_partner;
+    }
+}
+
+/** Gives the placed maps the poses at which all their links agree best, with their joint
+ * covariance. The first map keeps its pose. */
+void optimize(std::vector<FusionMember>& members) {
+  std::vector<PoseConstraint> constraints;
+  std::vector<std::optional<Eigen::Isometry3d>> poses(members.size());
+  for (size_t k = 0; k < members.size(); k++) {
+    if (members[k].joined) poses[k] = toEigen(members[k].pose.mean);
+    for (const FusionLink& link : members[k].links)
+      constraints.push_back(constraintOf(link.with, k, link.T_a_b, link.covariance));
+  }
+  const std::vector<Matrix6d> covariances = optimizeWithCovariance(constraints, poses);
+  for (size_t k = 1; k < members.size(); k++) {
+    if (!members[k].joined) continue;
+    const Matrix6d covariance = toYawPitchRollCovariance(covariances[k], *poses[k]);
+    members[k].pose = {toPose(*poses[k]), mrpt::math::CMatrixDouble66(covariance)};
+  }
+}
+
 }  // namespace
 
 PlacedTeam placeTeam(const std::vector<RobotMap>& maps, const Options& options,
@@ -90,7 +125,12 @@ PlacedTeam placeTeam(const std::vector<RobotMap>& maps, const Options& options,
   // 1. Pairs: each map with each other map, or with those that look like it.
   ThreadExecutor executor;
   const std::vector<PairMatch> matches = matchPairs(maps, options, executor, on_member, memory);
+  return placeByMatches(maps, matches, options, memory);
+}
 
+PlacedTeam placeByMatches(const std::vector<RobotMap>& maps, const std::vector<PairMatch>& matches,
+                          const Options& options, PairMemory& memory) {
+  ThreadExecutor executor;
   // 2. Graph: the poses in which pairs may lie, and what all pairs say of them.
   JointVerdictParams params;
   params.max_conflict = options.evaluation.max_free_conflict;
@@ -107,7 +147,7 @@ PlacedTeam placeTeam(const std::vector<RobotMap>& maps, const Options& options,
   const std::vector<PlacedMap>& placed = groups.maps;
 
   // 4. Poses: each placed map is registered with its parent, with all voxels. Each other map keeps
-  // its best match with a placed map.
+  // its best match with a placed map, and follows it.
   std::vector<FusionMember> members(maps.size());
   std::vector<size_t> partner(maps.size(), 0);
   executor.run(maps.size(), [&](size_t k) {
@@ -128,6 +168,12 @@ PlacedTeam placeTeam(const std::vector<RobotMap>& maps, const Options& options,
       member.alignment = memory.registration(a, b, T, [&] { return alignFrom(a, b, T, options); });
     }
     Evaluation& e = member.alignment.evaluation;
+    const Eigen::Isometry3d at = *placed[partner[k]].pose * member.alignment.match.T_a_b;
+    e.probability =
+        p.pose && evidence.isSame(k, at, *p.pose)
+            ? p.probability
+            : std::min(e.probability, params.model.ofAnotherPose(
+                                          p.pose ? std::optional(p.probability) : std::nullopt));
     e.accepted = p.placed;
     e.reasons = p.reasons;
     e.reasons_against = p.placed ? 0 : e.reasons.size();
@@ -137,16 +183,11 @@ PlacedTeam placeTeam(const std::vector<RobotMap>& maps, const Options& options,
     e.is_ambiguous = !p.placed && p.runner_up > params.max_runner_up;
   });
   addLinks(maps, options, placed, matches, evidence, executor, memory, members);
-  // A map follows its partner, which is placed.
-  std::vector<size_t> order{0};
-  for (size_t next = 0; next < order.size(); next++)
-    for (size_t k = 1; k < maps.size(); k++) {
-      if (partner[k] != order[next]) continue;
-      const auto in_partner = members[k].alignment.pose();
-      members[k].pose = partner[k] == 0 ? in_partner : members[partner[k]].pose + in_partner;
-      order.push_back(k);
-    }
-  return {std::move(members), teamPairs(maps, matches, placed, evidence)};
+  follow(partner, members, [&](size_t k) { return placed[k].placed; });
+  optimize(members);
+  follow(partner, members, [&](size_t k) { return !placed[k].placed; });
+  std::vector<TeamPair> pairs = teamPairs(maps, matches, placed, evidence);
+  return {std::move(members), std::move(pairs), placed};
 }
 
 }  // namespace mrpt::fusion

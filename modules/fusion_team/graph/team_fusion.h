@@ -5,7 +5,8 @@
 
 #include <vector>
 
-#include "fusion_team/pairs/pair_memory.h"
+#include "fusion_team/graph/joint_verdict.h"
+#include "fusion_team/pairs/pair_matches.h"
 
 /** \file
  * Places the maps of a team. */
@@ -16,6 +17,7 @@ namespace mrpt::fusion {
 struct PlacedTeam {
   std::vector<FusionMember> members;  ///< Result of each map, in the order of the input
   std::vector<TeamPair> pairs;        ///< Matches of the pairs
+  std::vector<PlacedMap> places;      ///< Verdict on each map
 };
 
 /** Places whole maps by all their pairs together. A map without a place that can be trusted has
@@ -27,5 +29,11 @@ struct PlacedTeam {
  * \param[in,out] memory Results of earlier fusions with the same options. */
 PlacedTeam placeTeam(const std::vector<RobotMap>& maps, const Options& options,
                      const OnMember& on_member, PairMemory& memory);
+
+/** Places whole maps by given matches of their pairs, see placeTeam().
+ * \param[in] matches Matches of the pairs. Each map has a match with the first map or a map that is
+ * matched with it. */
+PlacedTeam placeByMatches(const std::vector<RobotMap>& maps, const std::vector<PairMatch>& matches,
+                          const Options& options, PairMemory& memory);
 
 }  // namespace mrpt::fusion

@@ -67,7 +67,7 @@ class TeamEvidence {
   virtual Eigen::AlignedBox3d box(size_t map) const = 0;
   /** Area of each obstacle in the evidence of a map, m^2. */
   virtual double areaOfObstacle(size_t map) const = 0;
-  /** Area of all obstacles in the evidence of a map, m^2. */
+  /** Area of all surfaces of a map, m^2: that of all obstacles in its evidence. */
   virtual double areaOf(size_t map) const = 0;
   /** Shares of conflicts at which confirmed obstacles count nothing. */
   virtual ConflictTolerance tolerance() const = 0;

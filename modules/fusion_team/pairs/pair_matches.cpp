@@ -58,9 +58,9 @@ EvidenceOfMaps::EvidenceOfMaps(const std::vector<RobotMap>& maps, const Options&
     const auto few =
         PoseComparison::voxelsOf(map, comparisonOf(options), options.ranking.many_voxels);
     const double side = map.voxels.resolution;
-    area_of_obstacle_.push_back(side * side * static_cast<double>(map.voxels.size()) /
+    area_.push_back(side * side * static_cast<double>(map.voxels.size()));
+    area_of_obstacle_.push_back(area_.back() /
                                 static_cast<double>(std::max<size_t>(few.voxels.size(), 1)));
-    area_.push_back(area_of_obstacle_.back() * static_cast<double>(few.voxels.size()));
     box_.push_back(boxOf(map));
     middle_.push_back(meanOf(map.matched.voxels.centre));
     scale = std::max(scale, map.scale);

@@ -54,7 +54,7 @@ class EvidenceOfMaps : public TeamEvidence {
    * see doc/decisions/037-team.md. */
   static constexpr ConflictTolerance kLeastTolerance{0.03, 0.01};
   const std::vector<RobotMap>& maps_;
-  std::vector<double> area_of_obstacle_, area_;
+  std::vector<double> area_, area_of_obstacle_;
   std::vector<Eigen::AlignedBox3d> box_;
   std::vector<std::vector<std::shared_ptr<EvidenceOfPair>>> pairs_;  // by a and b - a - 1
   std::vector<std::vector<std::optional<Eigen::Isometry3d>>> sure_;  // T_a_b, by a and b - a - 1

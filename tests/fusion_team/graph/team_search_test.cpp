@@ -232,6 +232,33 @@ TEST(TeamSearch, ARivalCountsByWhatConnectsItsGroups) {
   EXPECT_NEAR(found.runner_up[3], 12.0 / 20, 1e-9);
 }
 
+TEST(JointVerdict, AChainOverlapsAsItsWeakestPair) {
+  const Places places(4,
+                      {{{0, 1, at(10, 0)}, 40}, {{1, 2, at(10, 0)}, 10}, {{0, 2, at(20, 0)}, 16}});
+  Configuration c;
+  c.pose = {at(0, 0), at(10, 0), at(20, 0), std::nullopt};
+  const std::vector<double> overlap = overlapsWith(0, c, places);
+  const double area = places.areaOf(0);
+  EXPECT_EQ(overlap, (std::vector<double>{1, 40 / area, 16 / area, 0})) << "map 2 meets map 0 best";
+  EXPECT_EQ(overlapsWith(2, c, places)[1], 16 / area) << "over map 0";
+}
+
+TEST(JointVerdict, StrangersThatOverlapEachOtherAreNotPlacedByAMatchThatClaimsToBeSure) {
+  const Places places(4,
+                      {{{0, 1, at(10, 0)}, 40}, {{1, 2, at(10, 0)}, 1}, {{2, 3, at(10, 0)}, 40}});
+  const auto maps = judgeTeam(searchTeam(places.ways(), places, 16), judgedAs(0.99, places.ways()),
+                              places, {"a", "b", "c", "d"}, {});
+  EXPECT_TRUE(maps[1].placed);
+  for (const size_t k : {2U, 3U}) {
+    EXPECT_FALSE(maps[k].placed) << k;
+    EXPECT_LT(maps[k].probability, 0.85) << k;
+    ASSERT_FALSE(maps[k].reasons.empty());
+    EXPECT_NE(maps[k].reasons[0].find("the place is right with a probability of"),
+              std::string::npos)
+        << maps[k].reasons[0];
+  }
+}
+
 TEST(PoseGraph, SpreadsTheErrorOfALoop) {
   // Each of four sides is measured 0.1 m too long. A square of four equal sides closes.
   std::vector<std::optional<Isometry3d>> pose{at(0, 0), at(10.1, 0), at(10.1, 10.1), at(0.3, 10.1)};

@@ -43,11 +43,15 @@ struct FusionLink {
 
 /** The result for one robot's map. */
 struct FusionMember {
-  std::string robot;                     ///< Name of the robot
-  bool joined = false;                   ///< True if the map is part of the fused map
-  mrpt::poses::CPose3DPDFGaussian pose;  ///< Pose in the frame of the fused map, if known
+  std::string robot;    ///< Name of the robot
+  bool joined = false;  ///< True if the map is part of the fused map
+  /** Pose in the frame of the fused map, if known. Of the joined maps of a team: the pose at which
+   * all links agree best, with its joint covariance from all links. */
+  mrpt::poses::CPose3DPDFGaussian pose;
   std::string matched_with;  ///< Robot whose map is A of the alignment; empty for the first map
-  Alignment alignment;       ///< Best match; the pose is in the frame of \a matched_with
+  /** Best match; its pose is in the frame of \a matched_with. In a team, the verdict with its
+   * probability is that of the team on \a pose. */
+  Alignment alignment;
   Counting counting = Counting::All;  ///< How the map counts in the fused map, if it has joined
   std::string
       counted_with;  ///< Robot whose map has the same sources; empty if all observations count
