@@ -20,8 +20,9 @@ namespace {
  * can wait longer. */
 constexpr double kGrowthOfPart = 1.25, kGrowthOfJoinedPart = 2;
 
-/** Blocks that are wanted at a time until a map has joined: a share of the map, but not too few. */
-constexpr size_t kPortions = 8, kFewBlocks = 3;
+/** Blocks of the overlap that are wanted first, of a map that has not joined: an eighth of the map,
+ * but not too few, because each wish takes a turn of the link. */
+constexpr size_t kPortions = 8, kFewBlocks = 6;
 
 /** Largest number of nodes of all maps of a team: 20 large buildings, and about 1 GB. */
 constexpr size_t kMostTeamNodes = 20'000'000;
@@ -116,7 +117,8 @@ WantedBlocks TeamView::wantedOf(const MapSnapshot& s, const TeamKnowledge& knowl
                       wanted.blocks.end());
   wanted.no_others = !wanted.blocks.empty();
   const size_t few = std::max<size_t>(kFewBlocks, s.index->blocks.size() / kPortions);
-  if (wanted.blocks.size() > few) wanted.blocks.resize(few);
+  const size_t here = s.blocks->blocks.size();
+  if (here < few && here + wanted.blocks.size() > few) wanted.blocks.resize(few - here);
   return wanted;
 }
 

@@ -58,9 +58,9 @@ struct TeamKnowledge {
  * fuseMaps() with the maps in this order.
  *
  * A map of which only some blocks have arrived is fused as far as it is known. The outline says
- * where it may be, and which blocks overlap with the own map. These are wanted first, and few at a
- * time, until the part has joined. An older version that is complete stays until the newer version
- * is complete. */
+ * where it may be, and which blocks overlap with the own map. A few of these are wanted
+ * first, and others when the part has joined. An older version that is complete stays until the
+ * newer version is complete. */
 class TeamView {
  public:
   /** \param[in] own Name of this robot; its map, if it has one, is the reference of meetings.
