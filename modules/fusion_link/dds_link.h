@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,11 @@ struct DdsSettings {
 
 /** Largest number of a domain. */
 constexpr uint32_t kMostDomain = 232;
+
+/** Loads the module, and opens a link over DDS.
+ * \exception std::runtime_error If the module cannot be loaded, if this program was built without
+ * CycloneDDS, or see OpenDdsLink. */
+std::unique_ptr<Link> openLink(const DdsSettings& settings);
 
 /** Opens a link over DDS. The environment variable CYCLONEDDS_URI adds settings of CycloneDDS.
  * \param[in] settings See DdsSettings.

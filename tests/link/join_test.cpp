@@ -186,6 +186,17 @@ TEST_F(Join, AMapFileThatIsDeletedIsNotedOnceAndTheRobotStays) {
   EXPECT_EQ(log().find(note, log().find(note) + 1), std::string::npos) << log();
 }
 
+TEST_F(Join, AProgramJoinsThroughTheClassOfTheTeam) {
+  ASSERT_NO_FATAL_FAILURE(expectFusionOf("r1.ot r2.ot r3.ot"));
+  if (!connect(3)) GTEST_SKIP() << reason_;
+  start(1);
+  start(2);
+  run("setsid ip netns exec " + prefix() + "3 " TEAM_MEMBER " r3 7 r3.ot fused3.ot >log3 2>&1 & " +
+      "echo $! >r3.pid");
+  for (int i = 1; i <= 3; i++)
+    ASSERT_TRUE(waitFor([&] { return hasExpected(i); }, seconds(60))) << i << "\n" << logs();
+}
+
 TEST_F(Join, ARobotWithTheNameOfAnotherLeaves) {
   if (!connect(2)) GTEST_SKIP() << reason_;
   start(1, "--quiet");

@@ -4,26 +4,21 @@
 
 #include <algorithm>
 #include <chrono>
-#include <future>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <set>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "commands/commands.h"
 #include "fusion_base/error_text.h"
 #include "fusion_base/printable.h"
-#include "fusion_link/dds_link.h"
-#include "fusion_link/team_exchange.h"
-#include "fusion_link/team_view.h"
+#include "fusion_link/linked_team.h"
 #include "fusion_report/text.h"
 #include "live_map.h"
 #include "map_pair.h"
-#include "module.h"
 #include "pages.h"
 #include "poses_out.h"
 #include "signals.h"
@@ -40,31 +35,8 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kReadingPeriod{1};
 /** Least time between two lines about what is going on. */
 constexpr std::chrono::seconds kStatusPeriod{1};
-/** Longest time without a look at the link. */
-constexpr std::chrono::milliseconds kWaiting{100};
-/** As kWaiting, while samples wait to be sent. A busy link waits for itself. */
-constexpr std::chrono::milliseconds kWaitingToSend{10};
-
-/** A robot that finds another robot of its name in this time is the newer of the two, and leaves.
- */
-constexpr std::chrono::seconds kNewcomer{10};
-
 /** Number of different notes about the maps of others: they may be hostile. */
 constexpr size_t kMostNotes = 100;
-/** Longest time for which a robot that leaves sends what still waits. */
-constexpr std::chrono::seconds kFarewell{3};
-
-std::unique_ptr<mrpt::fusion::Link> openLink([[maybe_unused]] const Arguments& args) {
-#ifdef DDS_MODULE
-  const auto open = reinterpret_cast<mrpt::fusion::OpenDdsLink>(
-      functionOfModule(DDS_MODULE, mrpt::fusion::kOpenDdsLink, "the link"));
-  return std::unique_ptr<mrpt::fusion::Link>(open({args.robot, args.domain, args.peers}));
-#else
-  throw std::runtime_error(
-      "join needs CycloneDDS (Debian package cyclonedds-dev), without which this program was "
-      "built");
-#endif
-}
 
 /** Counts periods: isDue() is true once in each. */
 class Timer {
@@ -86,12 +58,8 @@ class Member {
  public:
   explicit Member(RunContext& run)
       : run_(run),
-        link_(openLink(run.args)),
-        exchange_(run.args.robot, *link_, run.args.journal),
-        view_(run.args.robot, run.options) {
-    if (run.args.maps.empty()) return;
-    live_.emplace(run.args.maps.front());
-    exchange_.askForOutlinesFirst();
+        team_({run.args.robot, run.args.domain, run.args.peers}, run.args.journal, run.options) {
+    if (!run.args.maps.empty()) live_.emplace(run.args.maps.front());
   }
 
   /** Stays in the team until the arguments or a signal say so. */
@@ -99,14 +67,14 @@ class Member {
     const auto end = Clock::now() + std::chrono::duration<double>(run_.args.seconds);
     do {
       if (live_ && reading_.isDue()) read();
-      is_new_ = exchange_.step() || is_new_;
-      if (exchange_.hasTwin()) meetTwin();
-      think();
+      const auto progress = team_.step();
+      if (progress.ended) take();
+      if (progress.began) run_.startStep();
       if (status_.isDue()) tell();
-      link_->wait(exchange_.isWaiting() ? kWaitingToSend : kWaiting);
+      team_.wait();
     } while (!stopWanted() && !isComplete() && (run_.args.seconds <= 0 || Clock::now() < end));
-    if (thinking_.valid()) take(thinking_.get());
-    if (isComplete()) sayFarewell();
+    if (team_.finish()) take();
+    if (isComplete()) team_.sayFarewell();
     tell();
   }
 
@@ -117,41 +85,16 @@ class Member {
   }
 
  private:
-  void meetTwin() {
-    const std::string text =
-        "another robot of this domain has the name " + mrpt::fusion::printable(run_.args.robot);
-    if (Clock::now() - begin_ < kNewcomer)
-      throw std::runtime_error(text + ": each robot needs a name of its own");
-    note(text);
-  }
-
   void read() {
-    const auto map = live_->readIfChanged(run_);
-    if (!map) return;
-    exchange_.publish(map);
-    is_new_ = true;
+    if (const auto map = live_->readIfChanged(run_)) team_.publish(map);
   }
 
-  /** Fuses in another thread, so that the link is never left alone. */
-  void think() {
-    if (thinking_.valid()) {
-      if (thinking_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
-      take(thinking_.get());
-    }
-    if (!is_new_) return;
-    is_new_ = false;
-    std::vector<mrpt::fusion::MapSnapshot> maps;
-    for (const auto& map : exchange_.maps()) maps.emplace_back(map.second);
-    run_.startStep();
-    thinking_ = std::async(std::launch::async, [this, maps] { return view_.update(maps); });
-  }
-
-  void take(TeamKnowledge known) {
+  void take() {
+    const TeamKnowledge& known = team_.knowledge();
     for (const std::string& text : known.notes) note(text);
-    exchange_.want(known.wanted);
-    const bool is_new = known.state && known.state->map && known.state != known_.state;
-    known_ = std::move(known);
-    if (is_new) save();
+    if (!known.state || !known.state->map || known.state == saved_) return;
+    saved_ = known.state;
+    save();
   }
 
   /** Notes what is wrong, once. */
@@ -161,12 +104,12 @@ class Member {
 
   /** Writes all outputs. */
   void save() {
-    const auto& state = *known_.state;
+    const auto& state = *saved_;
     run_.report.members = state.members;
     run_.report.pairs = state.pairs;
     run_.report.maps.clear();
     std::vector<Robot> robots;
-    for (const auto& map : known_.maps) {
+    for (const auto& map : team_.knowledge().maps) {
       Robot& robot = robots.emplace_back();
       robot.name = map.robot;
       robot.map.octree = map.map.octree();
@@ -185,34 +128,26 @@ class Member {
 
   bool isComplete() const {
     const size_t wanted = run_.args.until_complete;
-    if (wanted == 0 || known_.whole_maps < wanted) return false;
-    if (thinking_.valid() || is_new_) return false;
-    const auto& own = exchange_.maps().at({run_.args.robot, {}});
-    const auto& acknowledged = exchange_.acknowledged();
+    if (wanted == 0 || team_.knowledge().whole_maps < wanted || !team_.isSettled()) return false;
+    const auto& own = team_.exchange().maps().at({run_.args.robot, {}});
+    const auto& acknowledged = team_.exchange().acknowledged();
     const auto know = std::count_if(acknowledged.begin(), acknowledged.end(), [&](const auto& a) {
       return a.second == own.completeVersion();
     });
     return !live_ || static_cast<size_t>(know) + 1 >= wanted;
   }
 
-  /** Sends what still waits, as what this robot has. If nobody is there, it soon gives up. */
-  void sayFarewell() {
-    const auto end = Clock::now() + kFarewell;
-    while (exchange_.isWaiting() && Clock::now() < end) {
-      exchange_.step();
-      link_->wait(kWaitingToSend);
-    }
-  }
-
   /** Prints one line if it is another line than before. */
   void tell() {
-    if (const std::string reason = exchange_.takeReason(); !reason.empty())
+    if (const std::string reason = team_.takeReason(); !reason.empty())
       note("samples are refused: " + reason);
+    if (const std::string twin = team_.twinText(); !twin.empty()) note(twin);
     std::string line;
     const auto add = [&](const std::string& text) { line += (line.empty() ? "" : " | ") + text; };
-    for (const auto& [source, map] : exchange_.maps()) add(textOf(source, map));
-    for (const auto& m : known_.meetings) add(textOf(m));
-    if (known_.state) add(fusedText());
+    const TeamKnowledge& known = team_.knowledge();
+    for (const auto& [source, map] : team_.exchange().maps()) add(textOf(source, map));
+    for (const auto& m : known.meetings) add(textOf(m));
+    if (known.state) add(fusedText(known));
     if (run_.args.quiet || line == last_line_) return;
     last_line_ = line;
     std::cout << mrpt::fusion::printable(line) << std::endl;
@@ -234,26 +169,21 @@ class Member {
            std::to_string(static_cast<int>(100 * m.probability)) + " %, by " +
            std::to_string(m.bytes) + " bytes)";
   }
-  std::string fusedText() const {
+  static std::string fusedText(const TeamKnowledge& known) {
     std::string names;
-    for (const FusionMember& m : known_.state->members) {
+    for (const FusionMember& m : known.state->members) {
       if (!m.joined) continue;
       names += " " + m.robot;
-      if (const auto part = known_.parts.find(m.robot); part != known_.parts.end())
+      if (const auto part = known.parts.find(m.robot); part != known.parts.end())
         names += " (" + std::to_string(part->second) + " bytes of it)";
     }
     return "fused" + names;
   }
 
   RunContext& run_;
-  const Clock::time_point begin_ = Clock::now();
-  std::unique_ptr<mrpt::fusion::Link> link_;
-  mrpt::fusion::TeamExchange exchange_;
-  mrpt::fusion::TeamView view_;  // of the thread that fuses
+  mrpt::fusion::LinkedTeam team_;
   std::optional<LiveMap> live_;
-  std::future<TeamKnowledge> thinking_;
-  TeamKnowledge known_;
-  bool is_new_ = true;  // true if the maps have changed since the last fusion began
+  std::shared_ptr<const mrpt::fusion::TeamState> saved_;
   Timer reading_{kReadingPeriod}, status_{kStatusPeriod};
   std::string last_line_;
   std::set<std::string> notes_;  // that were printed
