@@ -168,6 +168,12 @@ std::optional<OcTreeCube> cubeOf(BlockCode code) {
   return cube;
 }
 
+size_t bytesOf(const MapBlocks& blocks) {
+  size_t bytes = 0;
+  for (const auto& block : blocks.blocks) bytes += block.second->size();
+  return bytes;
+}
+
 MapBlocks divideIntoBlocks(const octomap::OcTree& map, const octomap::OcTree* before,
                            const MapBlocks& blocks_before) {
   Division division(blocks_before);

@@ -50,6 +50,9 @@ struct MapBlocks {
   std::map<BlockCode, BlockBytes> blocks;  ///< No block lies in another block
 };
 
+/** Returns the number of bytes of all blocks. */
+size_t bytesOf(const MapBlocks& blocks);
+
 /** Divides an octree into blocks. A cube is a block if its compressed nodes fit into a sample;
  * otherwise its children are divided.
  * \param[in] map The octree.

@@ -15,12 +15,6 @@ namespace {
 /** Number of low bits of a version that are the number of the run. The other bits count. */
 constexpr unsigned kRunBits = 16;
 
-size_t bytesOf(const MapBlocks& blocks) {
-  size_t bytes = 0;
-  for (const auto& block : blocks.blocks) bytes += block.second->size();
-  return bytes;
-}
-
 bool isSame(const Trunk& a, const Trunk& b) {
   const auto bits = [](const Trunk& t) {
     std::string bytes(reinterpret_cast<const char*>(&t.model), sizeof(t.model));

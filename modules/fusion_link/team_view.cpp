@@ -31,12 +31,6 @@ std::string nameOf(const SourceName& source) {
   return source.map.empty() ? source.robot : source.robot + "/" + source.map;
 }
 
-size_t bytesOf(const MapBlocks& blocks) {
-  size_t bytes = 0;
-  for (const auto& block : blocks.blocks) bytes += block.second->size();
-  return bytes;
-}
-
 /** Returns the member of a team with a name if it has joined; null if there is none. */
 const FusionMember* joinedMember(const std::string& name, const TeamState& state) {
   for (const FusionMember& member : state.members)
