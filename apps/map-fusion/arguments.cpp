@@ -97,25 +97,26 @@ void checkOutputs(const Arguments& args) {
             mrpt::fusion::printable(outputs[i]));
 }
 
-/** \exception CLI::ValidationError If the extension of the output is not one that the command
- * writes. */
+/** \exception CLI::ValidationError If the extension of the output is that of files that the command
+ * does not write. */
 void checkFormat(const Arguments& args) {
   const std::string& output = args.output;
-  const bool is_known = isMapFile(output);
+  if (output.empty() || args.command == "slice") return;
+  const bool is_other = mapExtensionOf(output) == MapExtension::OfOthers;
   const fs::path extension = fs::path(output).extension();
   const bool is_octree = extension == ".ot" || extension == ".bt";
   const auto refuse = [&](const std::string& formats) {
     throw CLI::ValidationError(mrpt::fusion::printable(output) + ": " + args.command + " writes " +
                                formats);
   };
-  if (output.empty() || args.command == "slice") return;
-  if (args.command == "pack")
-    return is_octree ? refuse("a mission, not an octree: .rawlog") : void();
-  if (args.command == "edges")
-    return is_octree || !(is_known || extension == ".ply")
-               ? refuse("edges, not an octree: .ply or .gridmap")
-               : void();
-  if (!is_known) refuse("maps: .ot or .bt of OctoMap, .gridmap or .gridmap.gz of MRPT");
+  if (args.command == "pack") {
+    if (is_octree) refuse("a mission, not an octree: .rawlog");
+  } else if (args.command == "edges") {
+    if (is_octree || (is_other && extension != ".ply"))
+      refuse("edges, not an octree: .ply or .gridmap");
+  } else if (is_other) {
+    refuse("maps: .ot or .bt of OctoMap, .gridmap or .gridmap.gz of MRPT");
+  }
 }
 
 }  // namespace

@@ -8,8 +8,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <initializer_list>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
@@ -98,16 +100,24 @@ void checkWritable(const std::string& path, const std::vector<std::string>& inpu
     throw std::runtime_error(path + ": cannot be written: permission denied");
 }
 
-bool isMapFile(const std::string& path) {
+MapExtension mapExtensionOf(const std::string& path) {
   std::error_code ignored;
   const bool is_device = fs::exists(path, ignored) && !fs::is_regular_file(path, ignored);
-  if (is_device || isStandardOutput(path)) return true;
+  if (path == mrpt::fusion::kStandardOutput || is_device) return MapExtension::OfMaps;
   const fs::path file(path);
-  const fs::path extension = file.extension();
-  if (extension == ".ot" || extension == ".bt") return true;
-  const fs::path of_object = extension == ".gz" ? file.stem().extension() : extension;
-  if (of_object.empty()) return extension == ".gz";
-  return of_object == ".gridmap" || of_object == ".map" || of_object == ".simplemap";
+  const bool is_packed = file.extension() == ".gz";
+  const fs::path extension = is_packed ? file.stem().extension() : file.extension();
+  const auto is_among = [&](std::initializer_list<const char*> known) {
+    return std::find(known.begin(), known.end(), extension) != known.end();
+  };
+  if (is_among({".ot", ".bt"})) return is_packed ? MapExtension::OfOthers : MapExtension::OfMaps;
+  if (is_among({".gridmap", ".map", ".simplemap"}) || (is_packed && extension.empty()))
+    return MapExtension::OfMaps;
+  return is_among({".bag", ".csv", ".g2o", ".html", ".ini", ".jpg", ".json",   ".las",
+                   ".laz", ".pcd", ".pdf", ".pgm",  ".ply", ".png", ".rawlog", ".svg",
+                   ".tum", ".txt", ".xyz", ".yaml", ".yml", ".zip"})
+             ? MapExtension::OfOthers
+             : MapExtension::Unknown;
 }
 
 void saveMap(const std::shared_ptr<const octomap::OcTree>& map, const std::string& path,

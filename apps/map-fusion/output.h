@@ -41,10 +41,14 @@ bool isSameOutput(const std::string& a, const std::string& b);
  * \exception std::runtime_error "<path>: <reason>" if it cannot, or if the file is an input. */
 void checkWritable(const std::string& path, const std::vector<std::string>& inputs);
 
-/** Returns whether saveMap() can write a map to a path: `.ot` and `.bt`, the extensions of MRPT's
- * objects (`.gridmap`, `.map`, `.simplemap`, each with or without `.gz`; `.gz` alone), devices,
- * pipes and standard output. */
-bool isMapFile(const std::string& path);
+/** What the extension of a file says of a map that is written there. */
+enum class MapExtension {
+  OfMaps,    ///< `.ot`, `.bt`; of MRPT `.gridmap`, `.map`, `.simplemap`, also with `.gz`, and `.gz`
+  OfOthers,  ///< Of files that are no maps, or that saveMap() does not write
+  Unknown    ///< saveMap() writes an object of MRPT
+};
+/** Devices, pipes and standard output can take maps. */
+MapExtension mapExtensionOf(const std::string& path);
 
 /** Saves a map: `.ot` and `.bt` by extension, `.ot` on standard output ("-"), otherwise as MRPT
  * serializes it. \param[in] sources Sources of the map, which files of octrees do not hold.

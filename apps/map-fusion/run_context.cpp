@@ -21,6 +21,7 @@
 #include "fusion_report/json.h"
 #include "fusion_report/page/page.h"
 #include "fusion_report/text.h"
+#include "output.h"
 
 namespace map_fusion {
 
@@ -52,6 +53,9 @@ RunContext::RunContext(const Arguments& arguments) : args(arguments), progress(!
     else
       progress.show(toText(i));
   };
+  const bool writes_map = !args.output.empty() && args.command != "pack" && args.command != "slice";
+  if (writes_map && mapExtensionOf(args.output) == MapExtension::Unknown)
+    note(args.output + ": is written as an object of MRPT, for which .gridmap is usual");
   startStep();
 }
 

@@ -76,10 +76,10 @@ TEST_F(Messages, HelpWithOutputsThatACommandDoesNotWrite) {
   EXPECT_FALSE(fs::exists(dir_ / "edges.ot"));
 }
 
-TEST_F(Messages, NameTheFormatsOfMapsIfTheExtensionIsOfNone) {
+TEST_F(Messages, NameTheFormatsOfMapsIfTheExtensionIsOfOtherFiles) {
   const std::string move = "transform " + pair("map_a.ot") + " --pose '[1 0 0 0 0 0]' -q -o ";
   for (const std::string unknown :
-       {"moved.pcd", "moved", "moved.ot.gz", "moved.ply", "moved.rawlog"}) {
+       {"moved.pcd", "moved.ot.gz", "moved.ply", "moved.ply.gz", "moved.rawlog"}) {
     expectLine(move + unknown, 2,
                unknown + ": transform writes maps: .ot or .bt of OctoMap, .grid");
     EXPECT_FALSE(fs::exists(dir_ / unknown));
@@ -89,6 +89,11 @@ TEST_F(Messages, NameTheFormatsOfMapsIfTheExtensionIsOfNone) {
   for (const std::string known :
        {"moved.ot", "moved.bt", "moved.gridmap", "moved.gz", "moved.gridmap.gz", "-", "/dev/null"})
     EXPECT_EQ(mapFusion(move + known).err, "") << known;
+  for (const std::string unknown : {"moved", "moved.mrpt", "moved.v2.gz"}) {
+    const auto r = mapFusion(move + unknown);
+    EXPECT_EQ(r.code, 0);
+    EXPECT_TRUE(says(r.err, unknown + ": is written as an object of MRPT")) << r.err;
+  }
 }
 
 TEST_F(Messages, SayThatAnOptionHasNoEffect) {
