@@ -4,6 +4,7 @@
 #include "fusion_link/linked_team.h"
 
 #include <stdexcept>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -23,6 +24,8 @@ constexpr std::chrono::seconds kFarewell{3};
 /** A robot that finds another robot of its name in this time is the newer of the two, and leaves.
  */
 constexpr std::chrono::seconds kNewcomer{10};
+/** Time in which the older of the two finds the newer, too, and can say what has happened. */
+constexpr std::chrono::seconds kBeforeLeaving{1};
 
 }  // namespace
 
@@ -42,8 +45,10 @@ void LinkedTeam::publish(const std::shared_ptr<const octomap::OcTree>& map) {
 LinkedTeam::Progress LinkedTeam::step() {
   Progress progress;
   is_new_ = exchange_.step() || is_new_;
-  if (exchange_.hasTwin() && Clock::now() - begin_ < kNewcomer)
+  if (exchange_.hasTwin() && Clock::now() - begin_ < kNewcomer) {
+    std::this_thread::sleep_for(kBeforeLeaving);
     throw std::runtime_error(twinText() + ": each robot needs a name of its own");
+  }
   const bool is_thinking =
       thinking_.valid() && thinking_.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
   if (!is_thinking) progress.ended = finish();

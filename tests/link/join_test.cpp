@@ -208,8 +208,9 @@ TEST_F(Join, ARobotWithTheNameOfAnotherLeaves) {
             "map-fusion: another robot of this domain has the name r1: each robot needs a name of "
             "its own\n");
   EXPECT_EQ(run("kill -0 $(cat r1.pid)").code, 0);
-  EXPECT_NE(readFile(dir_ / "log1").find("another robot of this domain has the name r1"),
-            std::string::npos)
+  const std::string note = "another robot of this domain has the name r1";
+  EXPECT_TRUE(
+      waitFor([&] { return readFile(dir_ / "log1").find(note) != std::string::npos; }, seconds(5)))
       << logs();
 }
 
