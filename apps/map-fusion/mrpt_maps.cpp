@@ -10,7 +10,7 @@
 #include <new>
 #include <stdexcept>
 
-#include "module.h"
+#include "fusion_base/module.h"
 
 namespace map_fusion {
 
@@ -39,7 +39,8 @@ const MrptMaps* loadedMrptMaps() noexcept { return loaded_maps.load(); }
 const MrptMaps& mrptMaps() {
   static const MrptMaps& maps = []() -> const MrptMaps& {
     requireAddresses(kModuleAddresses);
-    void* entry = functionOfModule(MRPT_MAPS_MODULE, "mrptMapsOfModule", "MRPT's maps");
+    void* entry =
+        mrpt::fusion::functionOfModule(MRPT_MAPS_MODULE, "mrptMapsOfModule", "MRPT's maps");
     const MrptMaps* loaded = reinterpret_cast<const MrptMaps* (*)()>(entry)();
     loaded_maps.store(loaded);
     return *loaded;

@@ -48,9 +48,7 @@ void TeamExchange::send(const std::vector<Sample>& samples) {
     if (keep(sample) && journal_) journal_->append(sample);
     outbox_.put(sample);
   }
-  for (const SampleKey& key : sent_->takeObsolete()) {
-    outbox_.remove(key);
-  }
+  for (const SampleKey& key : sent_->takeObsolete()) outbox_.remove(key);
   if (journal_) journal_->sync();
 }
 

@@ -248,8 +248,7 @@ void bindMember(py::module_& m) {
       .def_property_readonly(
           "covariance", [](const FusionMember& self) { return covarianceArrayOf(self.pose); },
           "6x6 covariance of the pose, see Match.covariance. In a team: the joint covariance from "
-          "all "
-          "matches that hold the map.")
+          "all matches that hold the map.")
       .def_readonly("matched_with", &FusionMember::matched_with,
                     "Robot whose map is map A of the match; '' for the first map.")
       .def_readonly("fits", &FusionMember::fits,

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "fusion_team/graph/pose_graph.h"
-#include "fusion_team/graph/scored_team.h"
 
 namespace mrpt::fusion {
 namespace {
@@ -211,16 +210,15 @@ void settle(Configuration& c, const TeamEvidence& evidence) {
   }
 }
 
-TeamAreas areasOf(size_t k, const Configuration& c, const TeamEvidence& evidence) {
+TeamAreas areasOf(size_t k, const ScoredTeam& team) {
   TeamAreas areas;
   const auto add = [&](const KnownObstacles& of_map, size_t map) {
-    const double area = evidence.areaOfObstacle(map);
+    const double area = team.evidence().areaOfObstacle(map);
     areas.confirmed += area * countOf(of_map.confirmed);
     areas.displaced += area * countOf(of_map.displaced);
     areas.contradicted += area * countOf(of_map.contradicted);
     areas.explained += area * countOf(of_map.explained);
   };
-  const ScoredTeam team(c, evidence);
   for (const auto& [i, r] : team.relations(k)) {
     KnownObstacles of_i;
     unite(of_i, r.others(), r.is_sure);

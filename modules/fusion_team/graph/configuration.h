@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "fusion_team/graph/team_graph.h"
+#include "fusion_team/graph/scored_team.h"
 
 /** \file
  * Searches the poses of a team at which all pairs of maps agree best. */
@@ -24,7 +24,7 @@ struct TeamAreas {
 };
 /** Returns the areas of map \a k, compared with all other placed maps, and of the other maps,
  * each compared with map \a k: conflicts show in both directions. */
-TeamAreas areasOf(size_t k, const Configuration& c, const TeamEvidence& evidence);
+TeamAreas areasOf(size_t k, const ScoredTeam& team);
 /** Returns the score of a configuration: the confirmed area of all placed maps less the displaced,
  * the contradicted and the explained area, each over its TeamEvidence::tolerance(). Repeated rooms
  * let many maps lie on one another; a sum over pairs would prefer that pile, because it counts each

@@ -157,6 +157,7 @@ std::vector<PlacedMap> judgeTeam(const TeamSearchResult& result, const std::vect
   auto links = confirmedLinks(linksOf(result.best, ways, evidence), n, least_probability);
   const std::vector<bool> confirmed = connectedWith(result.first, n, links);
   const std::vector<double> overlaps = overlapsWith(result.first, result.best, evidence);
+  const ScoredTeam team(result.best, evidence);
   for (size_t k = 0; k < n; k++) {
     PlacedMap& m = maps[k];
     m.runner_up = result.runner_up[k];
@@ -165,7 +166,7 @@ std::vector<PlacedMap> judgeTeam(const TeamSearchResult& result, const std::vect
       say(k, "no place agrees with the other maps");
       continue;
     }
-    m.areas = areasOf(k, result.best, evidence);
+    m.areas = areasOf(k, team);
     m.overlap = overlaps[k];
     m.probability = params.model.probability(m.runner_up, m.overlap);
     const std::string doubt = doubtOn(m, params);

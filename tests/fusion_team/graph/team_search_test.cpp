@@ -145,7 +145,7 @@ TEST(TeamScore, ContradictedObstaclesCountOverTheirTolerance) {
   const Square square;
   Configuration c;
   c.pose = {at(0, 0), std::nullopt, at(3, 1), std::nullopt};  // see wrong in Square::near()
-  const TeamAreas areas = areasOf(0, c, square);
+  const TeamAreas areas = areasOf(0, ScoredTeam(c, square));
   EXPECT_EQ(areas.confirmed, 64) << "of map 0, and of map 2 by map 0";
   EXPECT_EQ(areas.displaced, 0);
   EXPECT_EQ(areas.contradicted, 16);
@@ -165,13 +165,13 @@ TEST(TeamScore, ASureMatchExplainsItsConflicts) {
   const SquareWithASureMatch square;
   Configuration c;
   c.pose = {at(0, 0), std::nullopt, SquareWithASureMatch::pose(), std::nullopt};
-  const TeamAreas areas = areasOf(0, c, square);
+  const TeamAreas areas = areasOf(0, ScoredTeam(c, square));
   EXPECT_EQ(areas.explained, 16);
   EXPECT_EQ(areas.contradicted, 0);
-  EXPECT_EQ(areas.conflictRatio(), areasOf(0, c, Square()).conflictRatio());
+  EXPECT_EQ(areas.conflictRatio(), areasOf(0, ScoredTeam(c, Square())).conflictRatio());
   EXPECT_NEAR(scoreOf(c, square), 64 - 16 / square.tolerance().explained, 1e-9);
   c.pose[2] = at(6, 1);
-  EXPECT_EQ(areasOf(0, c, square).contradicted, 16) << "another place is not sure";
+  EXPECT_EQ(areasOf(0, ScoredTeam(c, square)).contradicted, 16) << "another place is not sure";
 }
 
 /** Maps that confirm each other at some places only. They do not meet anywhere else. */

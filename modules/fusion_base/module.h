@@ -6,13 +6,14 @@
 /** \file
  * Modules: libraries that only some runs need. */
 
-namespace map_fusion {
+namespace mrpt::fusion {
 
-/** Loads a module and returns a function of it. The module stays loaded.
+/** Loads a module and returns a function of it. The module stays loaded. It is searched in the run
+ * path, then in the folder mrpt-fusion below the library or program that this code is part of.
  * \param[in] file Name of the file of the module.
  * \param[in] name Name of the function.
  * \param[in] contents What the module holds, for the message.
  * \exception std::runtime_error "<contents>: <reason>" if it cannot be loaded. */
 void* functionOfModule(const char* file, const char* name, const std::string& contents);
 
-}  // namespace map_fusion
+}  // namespace mrpt::fusion
