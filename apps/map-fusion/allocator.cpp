@@ -19,11 +19,13 @@
 
 #include <string_view>
 
+#define MAP_FUSION_ALLOCATOR                                                      \
+  "thp:always,dirty_decay_ms:-1,muzzy_decay_ms:-1,narenas:1,bin_shards:1-160:16," \
+  "oversize_threshold:0,lg_extent_max_active_fit:24,slab_sizes:16-64:16"
+
 extern "C" {
 extern const char* malloc_conf;
-const char* malloc_conf =
-    "thp:always,dirty_decay_ms:-1,muzzy_decay_ms:-1,narenas:1,bin_shards:1-160:16,"
-    "oversize_threshold:0,lg_extent_max_active_fit:24,slab_sizes:16-64:16";
+const char* malloc_conf = MAP_FUSION_ALLOCATOR;
 }
 
 namespace {
@@ -32,9 +34,10 @@ namespace {
 void prepareForLittleMemory() {
   rlimit limit{};
   if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
-  // jemalloc 5.3 crashes if a new thread finds no memory for an arena of its own: there is one
-  // arena. It also crashes if there is too little memory for its own start and for the constructors
-  // of libraries.
+  // jemalloc 5.3 crashes if a new thread finds no memory for an arena or for a cache of its own:
+  // there is one arena, and here no thread has a cache. It also crashes if there is too little
+  // memory for its own start and for the constructors of libraries.
+  malloc_conf = MAP_FUSION_ALLOCATOR ",tcache:false";
   constexpr size_t kStart = size_t{12} << 20U;
   void* start = ::mmap(nullptr, kStart, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (start != MAP_FAILED) {

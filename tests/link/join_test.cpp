@@ -56,9 +56,14 @@ class Join : public AppTest {
   /** Starts robot \a i in its namespace. */
   void start(int i, const std::string& more = "") {
     const std::string n = std::to_string(i), r = "r" + n;
-    run("setsid ip netns exec " + prefix() + n + " " MAP_FUSION " join --robot " + r + " --map " +
-        r + ".ot --domain 7 -o fused" + n + ".ot --journal journal" + n + " " + more + " >>log" +
-        n + " 2>&1 & echo $! >" + r + ".pid");
+    runAs(i, MAP_FUSION " join --robot " + r + " --map " + r + ".ot --domain 7 -o fused" + n +
+                 ".ot --journal journal" + n + " " + more);
+  }
+  /** Runs a program as robot \a i. */
+  void runAs(int i, const std::string& program) {
+    const std::string n = std::to_string(i);
+    run(NETWORK " run " + prefix() + " " + n + " " + program + " >>log" + n + " 2>&1 & echo $! >r" +
+        n + ".pid");
   }
   void signal(int i, const char* name) {
     run(std::string("kill -") + name + " $(cat r" + std::to_string(i) + ".pid)");
@@ -164,8 +169,7 @@ TEST_F(Join, ABaseStationWithoutAMapFollowsMapsThatChange) {
   ASSERT_NO_FATAL_FAILURE(expectFusionOf("r1.ot r2.ot"));
   start(1);
   start(2);
-  run("setsid ip netns exec " + prefix() +
-      "3 " MAP_FUSION " join --robot base --domain 7 -o fused3.ot >log3 2>&1 & echo $! > r3.pid");
+  runAs(3, MAP_FUSION " join --robot base --domain 7 -o fused3.ot");
   ASSERT_TRUE(waitFor([&] { return hasExpected(3); }, seconds(40))) << logs();
   map("r2", pair("map_b.ot"), "[1 0 0 0 0 0]");
   ASSERT_NO_FATAL_FAILURE(expectFusionOf("r1.ot r2.ot"));
@@ -191,8 +195,7 @@ TEST_F(Join, AProgramJoinsThroughTheClassOfTheTeam) {
   if (!connect(3)) GTEST_SKIP() << reason_;
   start(1);
   start(2);
-  run("setsid ip netns exec " + prefix() + "3 " TEAM_MEMBER " r3 7 r3.ot fused3.ot >log3 2>&1 & " +
-      "echo $! >r3.pid");
+  runAs(3, TEAM_MEMBER " r3 7 r3.ot fused3.ot");
   for (int i = 1; i <= 3; i++)
     ASSERT_TRUE(waitFor([&] { return hasExpected(i); }, seconds(60))) << i << "\n" << logs();
 }

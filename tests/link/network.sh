@@ -6,6 +6,8 @@
 #   network.sh loss PREFIX I PERCENT robot I loses this share of the packets that it should receive
 #   network.sh cut PREFIX I          nothing reaches or leaves robot I
 #   network.sh heal PREFIX I         ends loss and cut
+#   network.sh run PREFIX I COMMAND  runs a command as robot I, in a session of its own; it comes before the other
+#                                    programs here: a robot has a computer for itself
 #   network.sh down PREFIX           removes the namespaces and ends the programs in them
 set -euo pipefail
 
@@ -53,6 +55,13 @@ case $command in
   loss) filter "$3" "numgen random mod 100 < $4 drop" ;;
   cut) filter "$3" drop drop ;;
   heal) filter "$3" accept ;;
+  run)
+    robot=$prefix$3
+    shift 3
+    # The kernel shares the time among sessions first, then within a session.
+    exec setsid nice -n -10 ip netns exec "$robot" \
+      sh -c '{ echo -10 >/proc/self/autogroup; } 2>/dev/null; exec "$@"' robot "$@"
+    ;;
   down)
     for name in $(ip netns list | awk -v p="$prefix" 'index($1, p) == 1 { print $1 }'); do
       ip netns pids "$name" | xargs -r kill -9
