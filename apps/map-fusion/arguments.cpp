@@ -125,7 +125,7 @@ std::vector<std::string> outputsOf(const Arguments& args) {
   std::vector<std::string> outputs;
   const std::string yaml = args.command == "slice" ? yamlBeside(args.output) : std::string();
   for (const auto& path : {args.output, yaml, args.pose_out, args.poses_out, args.picture,
-                           args.scene, args.page, args.json})
+                           args.scene, args.page, args.json, args.recording})
     if (!path.empty()) outputs.push_back(path);
   return outputs;
 }

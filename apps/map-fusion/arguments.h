@@ -37,6 +37,7 @@ struct Arguments {
   unsigned domain = 0;                         ///< Number of the domain of the team
   std::vector<std::string> peers;              ///< Addresses of other robots; empty: they are found
   std::string journal;                         ///< Folder of the journal; empty: none
+  std::string recording;                       ///< Rawlog of a team that is recorded; empty: none
   double seconds = 0;         ///< Time after which a robot leaves its team, s; 0: never
   size_t until_complete = 0;  ///< Number of whole maps with which a robot leaves; 0: never
   double resolution = 0;      ///< Voxel size, m; 0: as in the input. Nodes

@@ -5,6 +5,7 @@
 #include "command_definitions.h"
 
 #include <cmath>
+#include <filesystem>
 
 #include "fusion_base/error_text.h"
 #include "fusion_base/printable.h"
@@ -183,6 +184,17 @@ class CommandLine {
     sub->add_option("--journal", args_.journal,
                     "folder that keeps what has arrived, so that the robot continues after a crash")
         ->type_name("DIR");
+    sub->add_option("--record", args_.recording,
+                    "rawlog to which all changes of all maps are appended: a mission for info, "
+                    "fuse, match and build")
+        ->type_name("FILE.rawlog")
+        ->check(CLI::Validator(
+            [](const std::string& path) {
+              return std::filesystem::path(path).extension() == ".rawlog"
+                         ? std::string()
+                         : mrpt::fusion::printable(path) + " does not end in .rawlog";
+            },
+            "FILE"));
     sub->add_option("--for", args_.seconds, "leave after a time, s (default: at SIGTERM or SIGINT)")
         ->check(numberIn(kLeastTime, kMostTime, "SECONDS"));
     sub->add_option("--until-complete", args_.until_complete,

@@ -17,6 +17,9 @@
 #include "fusion_report/pose_graph.h"
 #include "fusion_report/report.h"
 
+namespace mrpt::fusion {
+struct MapDiff;
+}
 namespace mrpt::config {
 class CConfigFileBase;
 }
@@ -96,6 +99,14 @@ struct SceneContents {
   const octomap::OcTree* fused;
 };
 
+/** Appends what changes in the maps of a team to a rawlog. */
+class MissionRecorder {
+ public:
+  virtual ~MissionRecorder() = default;
+  /** Appends a diff. \exception std::runtime_error "<path>: <reason>" as of a full disk. */
+  virtual void append(const mrpt::fusion::MapDiff& diff) = 0;
+};
+
 /** All functions that need MRPT's map classes. They throw std::exceptions. If a file is the reason,
  * the message is "<path>: <reason>". */
 class MrptMaps {
@@ -110,6 +121,9 @@ class MrptMaps {
   /** Writes a mission. \param[in] smallest See CObservationLocalMap::smallest. */
   virtual void saveMission(const std::vector<Robot>& robots, bool smallest,
                            const std::string& path) const = 0;
+  /** Continues a rawlog, or begins it. \exception std::runtime_error "<path>: <reason>" if the
+   * file is no mission, or if its end is damaged. */
+  virtual std::unique_ptr<MissionRecorder> recordMission(const std::string& path) const = 0;
   /** Builds a map from a recording. */
   virtual BuiltMap build(const std::string& recording, const MapDefinition& definition) const = 0;
   /** Writes the key frames of several simplemaps to one, see mrpt::fusion::joinSimpleMaps().

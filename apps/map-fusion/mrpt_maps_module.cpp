@@ -6,15 +6,20 @@
 #include <mrpt/fusion/fusion_scene.h>
 #include <mrpt/fusion/map_files.h>
 #include <mrpt/graphs/CNetworkOfPoses.h>
+#include <mrpt/io/CMemoryStream.h>
 #include <mrpt/maps/CEdgeVoxelMap.h>
 #include <mrpt/maps/COccupancyGridMap2D.h>
+#include <mrpt/serialization/CArchive.h>
 
+#include <filesystem>
 #include <iomanip>
 #include <limits>
 #include <sstream>
 #include <stdexcept>
 
 #include "fusion_base/error_text.h"
+#include "fusion_base/files.h"
+#include "mrpt_fusion_maps/map_diffs.h"
 #include "mrpt_maps.h"
 #include "silence.h"
 
@@ -60,6 +65,23 @@ mrpt::fusion::BuildParams toParams(const MapDefinition& definition,
   return {definition.config, definition.section, definition.progress,
           [&notes](const std::string& note) { notes.push_back(note); }};
 }
+
+class RawlogRecorder : public MissionRecorder {
+ public:
+  explicit RawlogRecorder(const std::string& path) : file_(path) {}
+  void append(const mrpt::fusion::MapDiff& diff) override {
+    mrpt::obs::CObservationMapDiff observation;
+    observation.timestamp = mrpt::Clock::now();
+    mrpt::fusion::fill(observation, diff, mrpt::fusion::nameOf(diff.source));
+    mrpt::io::CMemoryStream memory;
+    mrpt::serialization::archiveFrom(memory) << observation;
+    file_.append({static_cast<const char*>(memory.getRawBufferData()),
+                  static_cast<size_t>(memory.getTotalBytesCount())});
+  }
+
+ private:
+  mrpt::fusion::FileAppender file_;
+};
 
 class MapsOfModule : public MrptMaps {
  public:
@@ -110,6 +132,16 @@ class MapsOfModule : public MrptMaps {
     }
     const SilentErrors silent;
     mrpt::fusion::saveLocalMaps(observations, path);
+  }
+
+  std::unique_ptr<MissionRecorder> recordMission(const std::string& path) const override {
+    const SilentErrors silent;
+    std::error_code none;
+    if (std::filesystem::file_size(path, none) > 0 && !none) {
+      const bool is_mission = !mrpt::fusion::loadLocalMaps(path).empty();
+      if (!is_mission) throw std::runtime_error(path + ": is no mission that can be continued");
+    }
+    return std::make_unique<RawlogRecorder>(path);
   }
 
   BuiltMap build(const std::string& recording, const MapDefinition& definition) const override {

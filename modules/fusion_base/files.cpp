@@ -17,6 +17,7 @@
 #include <fstream>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include "fusion_base/gzip.h"
 
@@ -192,6 +193,26 @@ void writeFileAtomically(const std::string& path,
   constexpr mode_t kRights = 0777;
   writeAndRename(path, nameless ? path : named,
                  exists ? static_cast<int>(st.st_mode & kRights) : -1, write);
+}
+
+FileAppender::FileAppender(std::string path)
+    : path_(std::move(path)),
+      fd_(::open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666)) {
+  FileWriter(path_, fd_);  // throws if the file could not be opened
+}
+FileAppender::~FileAppender() { ::close(fd_); }
+
+void FileAppender::append(std::string_view bytes) {
+  struct stat st {};
+  const FileWriter file(path_, fd_);
+  file.check(::fstat(fd_, &st) == 0);
+  try {
+    file.write(bytes);
+  } catch (const std::runtime_error&) {
+    if (S_ISREG(st.st_mode) && ::ftruncate(fd_, st.st_size) != 0)
+      throw std::runtime_error(systemError(path_ + ": ends within an object"));
+    throw;
+  }
 }
 
 void removeTemporaryFiles() noexcept {

@@ -45,6 +45,25 @@ void writeFileAtomically(const std::string& path, std::string_view bytes);
 void writeFileAtomically(const std::string& path,
                          const std::function<void(const ByteSink&)>& write);
 
+/** A file that grows, as a recording. */
+class FileAppender {
+ public:
+  /** Opens a file, or makes it. \exception std::runtime_error "<path>: <reason>". */
+  explicit FileAppender(std::string path);
+  ~FileAppender();
+  FileAppender(const FileAppender&) = delete;
+  FileAppender& operator=(const FileAppender&) = delete;
+
+  /** Appends bytes. They are with the system when the function returns: if the process is killed,
+   * they stay. \exception std::runtime_error "<path>: <reason>" as of a full disk. The file is as
+   * before then. */
+  void append(std::string_view bytes);
+
+ private:
+  std::string path_;
+  int fd_;
+};
+
 /** Removes the temporary files of all calls of writeFileAtomically() that have not returned. A
  * signal handler may call it before it ends the program. It knows the files of the library or
  * program that it is linked into. */

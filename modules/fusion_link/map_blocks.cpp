@@ -188,11 +188,12 @@ std::unique_ptr<octomap::OcTree> joinBlocks(const MapBlocks& blocks) {
   return Joining(blocks).run();
 }
 
-void checkBlock(BlockCode code, std::string_view bytes) {
+size_t checkBlock(BlockCode code, std::string_view bytes) {
   const auto cube = cubeOf(code);
   if (!cube) corrupt("a block of the map is corrupt: it is no cube");
   octomap::OcTree tree(1);
-  decompressNodes(bytes, tree, *OcTreeAccess::createRoot(tree), cube->depth, kMostBlockNodes);
+  return decompressNodes(bytes, tree, *OcTreeAccess::createRoot(tree), cube->depth,
+                         kMostBlockNodes);
 }
 
 }  // namespace mrpt::fusion

@@ -70,8 +70,8 @@ MapBlocks divideIntoBlocks(const octomap::OcTree& map, const octomap::OcTree* be
  * many nodes. */
 std::unique_ptr<octomap::OcTree> joinBlocks(const MapBlocks& blocks);
 
-/** Checks that a block can be part of a map.
+/** Checks that a block can be part of a map. \return Number of its nodes.
  * \exception std::runtime_error If it is damaged. */
-void checkBlock(BlockCode code, std::string_view bytes);
+size_t checkBlock(BlockCode code, std::string_view bytes);
 
 }  // namespace mrpt::fusion

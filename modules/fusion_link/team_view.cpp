@@ -27,10 +27,6 @@ constexpr size_t kPortions = 8, kFewBlocks = 6;
 /** Largest number of nodes of all maps of a team: 20 large buildings, and about 1 GB. */
 constexpr size_t kMostTeamNodes = 20'000'000;
 
-std::string nameOf(const SourceName& source) {
-  return source.map.empty() ? source.robot : source.robot + "/" + source.map;
-}
-
 /** Returns the member of a team with a name if it has joined; null if there is none. */
 const FusionMember* joinedMember(const std::string& name, const TeamState& state) {
   for (const FusionMember& member : state.members)

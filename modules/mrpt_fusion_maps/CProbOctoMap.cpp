@@ -155,7 +155,8 @@ CProbOctoMap::CProbOctoMap(const CProbOctoMap& o)
       m_octree(std::make_unique<octomap::OcTree>(*o.m_octree)),
       m_tree_state(o.m_tree_state.innerNodes()),
       m_sources(o.m_sources),
-      m_sources_hash(o.m_sources_hash) {}
+      m_sources_hash(o.m_sources_hash),
+      m_robot_map(o.m_robot_map) {}
 
 CProbOctoMap& CProbOctoMap::operator=(const CProbOctoMap& o) {
   CProbOctoMap copy(o);
@@ -170,6 +171,7 @@ void CProbOctoMap::replaceTree(std::unique_ptr<octomap::OcTree> tree) {
   const bool empty = m_octree->size() == 0;
   m_tree_state = TreeState(static_cast<uint8_t>(empty ? InnerNodes::Pruned : InnerNodes::Unknown));
   m_sources.clear();
+  m_robot_map.reset();
 }
 
 void CProbOctoMap::setOctree(std::unique_ptr<octomap::OcTree> tree) {
@@ -195,6 +197,7 @@ void CProbOctoMap::internal_clear() {
   m_octree->clear();
   m_tree_state.setInnerNodes(static_cast<uint8_t>(InnerNodes::Pruned));
   m_sources.clear();
+  m_robot_map.reset();
 }
 
 std::string CProbOctoMap::asString() const {

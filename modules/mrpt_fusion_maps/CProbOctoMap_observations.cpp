@@ -9,6 +9,7 @@
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationImage.h>
+#include <mrpt/obs/CObservationLocalMap.h>
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/obs/CObservationStereoImages.h>
 #include <mrpt/obs/CObservationVelodyneScan.h>
@@ -18,8 +19,10 @@
 #include <optional>
 #include <vector>
 
+#include "fusion_link/map_replica.h"
 #include "fusion_octree/insertion/scan_insertion.h"
 #include "fusion_octree/walk.h"
+#include "mrpt_fusion_maps/map_diffs.h"
 
 using namespace mrpt::maps;
 using namespace mrpt::obs;
@@ -125,10 +128,23 @@ void CProbOctoMap::insertScan(const std::vector<octomap::point3d>& ends,
 
 bool CProbOctoMap::internal_insertObservation(
     const CObservation& obs, const std::optional<const mrpt::poses::CPose3D>& robotPose) {
+  if (const auto* diff = dynamic_cast<const CObservationMapDiff*>(&obs)) return insertDiff(*diff);
   const auto rays = raysOf(obs, robotPose.value_or(mrpt::poses::CPose3D()), getResolution());
   if (!rays) return false;
   insertScan(rays->ends, rays->origin);
   return true;
+}
+
+bool CProbOctoMap::insertDiff(const CObservationMapDiff& diff) {
+  const bool is_of_robot = m_robot_map && m_robot_map->source().robot == diff.sensorLabel;
+  if (!is_of_robot && (m_robot_map || !isEmpty())) return false;
+  auto known = std::make_shared<mrpt::fusion::MapReplica>(
+      m_robot_map ? *m_robot_map : mrpt::fusion::emptyReplicaOf(diff));
+  mrpt::fusion::addDiff(diff, *known);
+  const bool is_new = known->completeVersion() > 0;
+  if (is_new) setOctree(mrpt::fusion::joinBlocks(*known->blocks()));
+  m_robot_map = std::move(known);
+  return is_new;
 }
 
 void CProbOctoMap::insertPointCloud(const CPointsMap& points, float sensor_x, float sensor_y,

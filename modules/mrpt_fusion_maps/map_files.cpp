@@ -54,7 +54,7 @@ FileContents loadContents(const std::string& path, const BuildParams& params) {
     const auto first = reader.next();
     if (isRecording(*first)) {
       Recording recording(path, reader, first);
-      if (!recording.latestMaps().empty()) return {recording.latestMaps(), nullptr};
+      if (recording.latestMaps().count() > 0) return {recording.latestMaps().maps(), nullptr};
       return {{}, buildFrom(path, *first, &recording, params).map};
     }
     auto map = std::dynamic_pointer_cast<CMetricMap>(first);
@@ -68,14 +68,7 @@ FileContents loadContents(const std::string& path, const BuildParams& params) {
 CMetricMap::Ptr loadAnyMap(const std::string& path, const BuildParams& params) {
   const FileContents contents = loadContents(path, params);
   if (contents.map) return contents.map;
-  return withPath(path, [&] {
-    const auto& robots = contents.robots;
-    if (robots.size() > 1)
-      throw std::runtime_error("holds the maps of " + std::to_string(robots.size()) +
-                               " robots, not one map");
-    if (!robots.front()->map) throw std::runtime_error("the robot's map is missing in it");
-    return robots.front()->map;
-  });
+  return withPath(path, [&] { return onlyMapOf(contents.robots); });
 }
 
 std::shared_ptr<const CProbOctoMap> loadMap(const std::string& path, const BuildParams& params) {

@@ -15,5 +15,6 @@ MRPT_INITIALIZER(registerFusionMaps) {
   mrpt::rtti::registerClass(CLASS_ID(mrpt::maps::CEdgeVoxelMap));
   mrpt::rtti::registerClass(CLASS_ID(mrpt::maps::CProbOctoMap));
   mrpt::rtti::registerClass(CLASS_ID(mrpt::obs::CObservationLocalMap));
+  mrpt::rtti::registerClass(CLASS_ID(mrpt::obs::CObservationMapDiff));
   mrpt::fusion::guardCollections();
 }

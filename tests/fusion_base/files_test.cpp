@@ -101,6 +101,32 @@ TEST(Files, AFailedWriteKeepsTheOldFileAndLeavesNoOther) {
   EXPECT_EQ(std::vector<std::string>{"map.ot"}, dir.files());
 }
 
+TEST(Files, AppendedBytesAreWholeOrNotThere) {
+  const TempDir dir;
+  const std::string path = dir.path("mission.rawlog");
+  {
+    mrpt::fusion::FileAppender file(path);
+    file.append("one");
+    file.append("two");
+    EXPECT_EQ("onetwo", readRaw(path));
+  }
+  mrpt::fusion::FileAppender file(path);
+  rlimit old_limit{};
+  ASSERT_EQ(0, ::getrlimit(RLIMIT_FSIZE, &old_limit));
+  rlimit limit = old_limit;
+  limit.rlim_cur = 1000;
+  auto* const old_handler = ::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(0, ::setrlimit(RLIMIT_FSIZE, &limit));
+  const std::string error = errorOf([&] { file.append(std::string(5000, 'n')); });
+  ASSERT_EQ(0, ::setrlimit(RLIMIT_FSIZE, &old_limit));
+  ::signal(SIGXFSZ, old_handler);
+  EXPECT_EQ(0U, error.find(path + ": ")) << error;
+  EXPECT_EQ("onetwo", readRaw(path));
+  file.append("three");
+  EXPECT_EQ("onetwothree", readRaw(path));
+  EXPECT_THROW(mrpt::fusion::FileAppender(dir.path("none/file")), std::runtime_error);
+}
+
 TEST(Files, AFileThatIsGivenUpHalfwayLeavesNothing) {
   const TempDir dir;
   const std::string path = dir.path("map.ot");

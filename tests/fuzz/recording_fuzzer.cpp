@@ -6,6 +6,7 @@
 #include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement3D.h>
+#include <mrpt/obs/CObservationLocalMap.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 #include <mrpt/obs/CSensoryFrame.h>
@@ -81,6 +82,14 @@ std::string mission() {
   return bytes;
 }
 
+std::string missionOfDiffs() {
+  std::string bytes;
+  MapDiffs diffs("a");
+  for (const auto& tree : fuzz::smallTrees())
+    if (const auto diff = diffs.next(*tree)) bytes += map_tests::serialized(*diff);
+  return bytes;
+}
+
 }  // namespace
 
 std::vector<std::string> fuzzSeeds() {
@@ -93,6 +102,7 @@ std::vector<std::string> fuzzSeeds() {
       serialized(movement()) + serialized(frameOf(cloud())),
       simpleMap(),
       mission(),
+      missionOfDiffs(),
       serialized(mrpt::maps::CProbOctoMap(*fuzz::smallTrees()[3])),
   };
 }

@@ -177,6 +177,39 @@ TEST_F(Join, ABaseStationWithoutAMapFollowsMapsThatChange) {
     ASSERT_TRUE(waitFor([&] { return hasExpected(i); }, seconds(40))) << i << "\n" << logs();
 }
 
+TEST_F(Join, ARecordedMissionIsFusedAsTheRobotsHaveFusedIt) {
+  if (!connect(2)) GTEST_SKIP() << reason_;
+  ASSERT_NO_FATAL_FAILURE(expectFusionOf("r1.ot r2.ot"));
+  start(1, "--record mission.rawlog");
+  start(2);
+  ASSERT_TRUE(waitFor([&] { return hasExpected(1); }, seconds(40))) << logs();
+  const auto size = fs::file_size(dir_ / "mission.rawlog");
+  map("r2", pair("map_b.ot"), "[1 0 0 0 0 0]");
+  ASSERT_NO_FATAL_FAILURE(expectFusionOf("r1.ot r2.ot"));
+  ASSERT_TRUE(waitFor([&] { return hasExpected(1); }, seconds(40))) << logs();
+  signal(1, "KILL");
+  EXPECT_GT(fs::file_size(dir_ / "mission.rawlog"), size);
+  EXPECT_EQ(mapFusion("info mission.rawlog").code, 0);
+  const auto fused = mapFusion("fuse -q mission.rawlog -o recorded.ot");
+  ASSERT_EQ(fused.code, 0) << fused.err;
+  EXPECT_TRUE(readFile(dir_ / "recorded.ot") == readFile(dir_ / "expected.ot"));
+  // The robot was killed. Its next run continues the recording.
+  start(1, "--record mission.rawlog --until-complete 2");
+  ASSERT_TRUE(waitFor([&] { return run("! kill -0 $(cat r1.pid)").code == 0; }, seconds(40)))
+      << logs();
+  ASSERT_EQ(mapFusion("fuse -q mission.rawlog -o recorded.ot").code, 0);
+  EXPECT_TRUE(readFile(dir_ / "recorded.ot") == readFile(dir_ / "expected.ot"));
+}
+
+TEST_F(Join, TheRecordingOfOneRobotIsItsMap) {
+  const auto joined =
+      mapFusion("join -q --robot r1 --map r1.ot --domain 12 --for 2 --record r1.rawlog");
+  ASSERT_EQ(joined.code, 0) << joined.err;
+  ASSERT_EQ(mapFusion("build -q r1.rawlog -o built.ot").code, 0);
+  EXPECT_TRUE(readFile(dir_ / "built.ot") == readFile(dir_ / "r1.ot"));
+  EXPECT_EQ(mapFusion("match -q r1.rawlog r2.ot").code, 0);
+}
+
 TEST_F(Join, AMapFileThatIsDeletedIsNotedOnceAndTheRobotStays) {
   run(MAP_FUSION
       " join --robot r1 --map r1.ot --domain 11 -o fused1.ot >log1 2>&1 & echo $! >r1.pid");
@@ -219,10 +252,12 @@ TEST_F(Join, ARobotWithTheNameOfAnotherLeaves) {
 
 TEST_F(Join, BadInputIsOneLine) {
   writeFile(dir_ / "bad.ot", "no map");
+  writeFile(dir_ / "bad.rawlog", "no mission");
   const std::string name(64, 'n');
   for (const std::string arguments :
        {"--robot r1 --map none.ot", "--robot r1 --map bad.ot", "--robot '' --for 1",
-        "--robot r1 --peer 'a b' --for 1", "--robot r1 --journal r1.ot --for 1"}) {
+        "--robot r1 --peer 'a b' --for 1", "--robot r1 --journal r1.ot --for 1",
+        "--robot r1 --record bad.rawlog --for 1"}) {
     const auto bad = mapFusion("join --domain 9 " + arguments);
     EXPECT_EQ(bad.code, 1) << arguments << bad.out;
     EXPECT_EQ(std::count(bad.err.begin(), bad.err.end(), '\n'), 1) << arguments << "\n" << bad.err;
@@ -230,6 +265,7 @@ TEST_F(Join, BadInputIsOneLine) {
   EXPECT_EQ(mapFusion("join --robot " + name + " --for 1").code, 1);
   EXPECT_EQ(mapFusion("join --map r1.ot").code, 2);
   EXPECT_EQ(mapFusion("join --robot r1 --domain 500").code, 2);
+  EXPECT_EQ(mapFusion("join --robot r1 --record mission.gz --for 1").code, 2);
 }
 
 }  // namespace

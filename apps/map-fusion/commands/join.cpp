@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -16,9 +18,11 @@
 #include "fusion_base/error_text.h"
 #include "fusion_base/printable.h"
 #include "fusion_link/linked_team.h"
+#include "fusion_link/map_diff.h"
 #include "fusion_report/text.h"
 #include "live_map.h"
 #include "map_pair.h"
+#include "mrpt_maps.h"
 #include "pages.h"
 #include "poses_out.h"
 #include "signals.h"
@@ -60,6 +64,7 @@ class Member {
       : run_(run),
         team_({run.args.robot, run.args.domain, run.args.peers}, run.args.journal, run.options) {
     if (!run.args.maps.empty()) live_.emplace(run.args.maps.front());
+    if (!run.args.recording.empty()) recorder_ = mrptMaps().recordMission(run.args.recording);
   }
 
   /** Stays in the team until the arguments or a signal say so. */
@@ -70,6 +75,7 @@ class Member {
       const auto progress = team_.step();
       if (progress.ended) take();
       if (progress.began) run_.startStep();
+      if (recorder_) record();
       if (status_.isDue()) tell();
       team_.wait();
     } while (!stopWanted() && !isComplete() && (run_.args.seconds <= 0 || Clock::now() < end));
@@ -87,6 +93,20 @@ class Member {
  private:
   void read() {
     if (const auto map = live_->readIfChanged(run_)) team_.publish(map);
+  }
+
+  /** Records what has changed. A full disk ends the recording, not the robot. */
+  void record() {
+    try {
+      for (const auto& [source, map] : team_.exchange().maps()) {
+        uint64_t& version = recorded_[source];
+        if (const auto diff = mrpt::fusion::diffSince(map, version)) recorder_->append(*diff);
+        if (map.completeVersion() > 0) version = map.completeVersion();
+      }
+    } catch (const std::runtime_error& e) {
+      run_.note(mrpt::fusion::messageOf(e) + " (the recording ends)");
+      recorder_.reset();
+    }
   }
 
   void take() {
@@ -183,6 +203,8 @@ class Member {
   RunContext& run_;
   mrpt::fusion::LinkedTeam team_;
   std::optional<LiveMap> live_;
+  std::unique_ptr<MissionRecorder> recorder_;              // null: nothing is recorded
+  std::map<mrpt::fusion::SourceName, uint64_t> recorded_;  // versions
   std::shared_ptr<const mrpt::fusion::TeamState> saved_;
   Timer reading_{kReadingPeriod}, status_{kStatusPeriod};
   std::string last_line_;

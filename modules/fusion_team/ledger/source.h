@@ -25,6 +25,11 @@ struct SourceName {
   }
 };
 
+/** Returns the name of a source for people. */
+inline std::string nameOf(const SourceName& source) {
+  return source.map.empty() ? source.robot : source.robot + "/" + source.map;
+}
+
 /** One version of the map of one robot. An immutable value: copies share the octree. */
 class Source {
  public:

@@ -9,6 +9,7 @@
 #include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/maps/TMetricMapTypesRegistry.h>
 #include <mrpt/obs/CActionCollection.h>
+#include <mrpt/obs/CObservationLocalMap.h>
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/system/string_utils.h>
 
@@ -20,6 +21,7 @@
 
 #include "fusion_base/error_text.h"
 #include "fusion_base/files.h"
+#include "mrpt_fusion_maps/missions.h"
 #include "mrpt_fusion_maps/recordings/external_files.h"
 #include "mrpt_fusion_maps/recordings/left_out.h"
 #include "mrpt_fusion_maps/recordings/object_reader.h"
@@ -69,6 +71,8 @@ class Builder {
   }
 
   void insert(const CObservation& obs, const CPose3D& robot) {
+    if (dynamic_cast<const CObservationMapDiff*>(&obs))
+      return leaveOut(ObservationCounter::kindOf(obs), "the map is built from scans");
     loadExternalData(obs);
     if (maps_.insertObservation(obs, robot))
       counter_.countInserted(obs);
@@ -190,6 +194,12 @@ BuiltMap buildMap(const std::string& path, const BuildParams& params) {
     if (dynamic_cast<const CSimpleMap*>(first.get()))
       return buildFrom(path, *first, nullptr, params);
     Recording recording(path, reader, first);
+    if (const auto& sent = recording.latestMaps();
+        sent.count() > 0 && recording.robotPath().empty()) {
+      if (params.config && params.note)
+        params.note("holds the map that a robot sent: the map definition has no effect");
+      return BuiltMap{onlyMapOf(sent.maps()), sent.count(), 0, {}};
+    }
     return buildFrom(path, *first, &recording, params);
   });
 }

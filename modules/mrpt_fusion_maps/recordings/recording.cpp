@@ -10,9 +10,6 @@
 #include <memory>
 #include <utility>
 
-#include "mrpt_fusion_maps/missions.h"
-
-using mrpt::obs::CObservationLocalMap;
 using mrpt::serialization::CSerializable;
 
 namespace mrpt::fusion {
@@ -72,8 +69,7 @@ Recording::Recording(std::string path, ObjectReader& reader, CSerializable::Ptr 
 
 void Recording::add(const CSerializable::Ptr& object) {
   path_.add(*object);
-  if (auto map = std::dynamic_pointer_cast<CObservationLocalMap>(object))
-    addToLatest(std::move(map), maps_);
+  maps_.add(object);
 }
 
 void Recording::forEachObject(const std::function<void(const CSerializable&)>& f) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <mrpt/obs/CObservationLocalMap.h>
 #include <mrpt/serialization/CSerializable.h>
 
 #include <cstdint>
@@ -9,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "mrpt_fusion_maps/missions.h"
 #include "mrpt_fusion_maps/recordings/object_reader.h"
 #include "mrpt_fusion_maps/recordings/robot_path.h"
 
@@ -34,8 +34,8 @@ class Recording {
 
   /** Returns the path of the robot. */
   const RobotPath& robotPath() const { return path_; }
-  /** Returns the latest map of each robot, see loadLocalMaps(). */
-  const std::vector<mrpt::obs::CObservationLocalMap::Ptr>& latestMaps() const { return maps_; }
+  /** Returns the maps of robots in the recording. */
+  const LatestMaps& latestMaps() const { return maps_; }
   /** Calls \a f for each object in the order of the file. Can be called once: the objects are
    * freed.
    */
@@ -46,7 +46,7 @@ class Recording {
 
   std::string file_;
   RobotPath path_;
-  std::vector<mrpt::obs::CObservationLocalMap::Ptr> maps_;
+  LatestMaps maps_;
   bool all_kept_ = true;
   std::vector<mrpt::serialization::CSerializable::Ptr> objects_;
 };

@@ -49,7 +49,7 @@ TEST_P(RecordingOf, GivesAllObjectsInTheirOrder) {
   const auto first = reader.next();
   Recording recording(path, reader, first, GetParam());
   EXPECT_FALSE(recording.robotPath().empty());
-  EXPECT_TRUE(recording.latestMaps().empty());
+  EXPECT_EQ(recording.latestMaps().count(), 0U);
   size_t count = 0;
   recording.forEachObject([&](const CSerializable& object) {
     const auto* const cloud = dynamic_cast<const CObservationPointCloud*>(&object);

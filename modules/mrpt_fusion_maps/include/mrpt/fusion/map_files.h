@@ -59,9 +59,10 @@ struct BuiltMap {
  * observations format they are CObservationRobotPose or, if there are none, CObservationOdometry,
  * and they are interpolated to the time of each observation. Without time stamps each observation
  * is at the last pose before it in the log. In the actions format they are robot movements, which
- * are added up. Ranges and points in external files are loaded from "<name>_Images", "Images"
- * or the folder of the recording. Pictures are loaded only if a map reads them. \exception
- * std::runtime_error
+ * are added up. A rawlog without poses, but with the CObservationLocalMap or CObservationMapDiff of
+ * one robot, gives the latest map of this robot. Ranges and points in external files are loaded
+ * from "<name>_Images", "Images" or the folder of the recording. Pictures are loaded only if a map
+ * reads them. \exception std::runtime_error
  * "<path>: <reason>" if the file is of another kind, is truncated or has no poses, if an external
  * file is missing, or if the definition has no map or a map class that MRPT does not know.
  */
@@ -69,9 +70,9 @@ MRPT_FUSION_API BuiltMap buildMap(const std::string& path, const BuildParams& pa
 
 /** Loads the map of a file of any kind. An octree (`.ot`, `.bt`) and a point cloud
  * (`.pcd`, `.ply`) become a mrpt::maps::CProbOctoMap. An MRPT-serialized map keeps its class. A
- * rawlog with the CObservationLocalMap of one robot gives the latest map, see loadLocalMaps(). From
- * other recordings a map is built, see buildMap(). \exception std::runtime_error "<path>:
- * <reason>". */
+ * rawlog with the CObservationLocalMap or CObservationMapDiff of one robot gives the latest map,
+ * see loadLocalMaps(). From other recordings a map is built, see buildMap(). \exception
+ * std::runtime_error "<path>: <reason>". */
 MRPT_FUSION_API mrpt::maps::CMetricMap::Ptr loadAnyMap(const std::string& path,
                                                        const BuildParams& params = {});
 
@@ -92,10 +93,12 @@ MRPT_FUSION_API FileContents loadContents(const std::string& path, const BuildPa
 MRPT_FUSION_API std::shared_ptr<const mrpt::maps::CProbOctoMap> loadMap(
     const std::string& path, const BuildParams& params = {});
 
-/** Loads the latest map of each robot from a recorded mission: a rawlog with CObservationLocalMap.
- * The robots are in the order of their first maps. A map that is edges alone is returned only if
+/** Loads the latest map of each robot from a recorded mission: a rawlog with CObservationLocalMap
+ * or CObservationMapDiff. The diffs of a robot become one map, with the version as its sequence.
+ * The robots are in the order of their first objects. A map that is edges alone is returned only if
  * the robot sent no other map. Returns nothing if the file has no such maps or is not a rawlog.
- * \exception std::runtime_error "<path>: <reason>" if the file cannot be read or is truncated. */
+ * \exception std::runtime_error "<path>: <reason>" if the file cannot be read or is truncated, or
+ * if diffs of a robot are missing. */
 MRPT_FUSION_API std::vector<mrpt::obs::CObservationLocalMap::Ptr> loadLocalMaps(
     const std::string& path);
 

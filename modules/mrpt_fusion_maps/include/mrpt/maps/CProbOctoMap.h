@@ -18,7 +18,12 @@
 #include <vector>
 
 namespace mrpt::fusion {
+class MapReplica;
 struct SourcesOfMap;
+}  // namespace mrpt::fusion
+
+namespace mrpt::obs {
+class CObservationMapDiff;
 }
 
 namespace mrpt::maps {
@@ -39,6 +44,9 @@ class COccupancyGridMap3D;
  *  - isEmpty() is true for a fresh map.
  *  - The occupied voxels are points for ICP and other algorithms, see getAsSimplePointsMap().
  *  - octree() returns the octree.
+ *  - Inserting the mrpt::obs::CObservationMapDiff of a robot makes this map the map of that robot,
+ * bit for bit. The map must be empty, or come from diffs of the same robot. While blocks are
+ * missing that earlier diffs had, nothing is inserted.
  *
  * The name in .ini map definitions is `probOctoMap`. An unknown key or a value out of range is an
  * exception that names section and key:
@@ -327,6 +335,9 @@ class MRPT_FUSION_API CProbOctoMap : public CMetricMap {
     static constexpr uint8_t kLent = 255;
     std::atomic<uint8_t> m_value;
   };
+  /** Makes this map the map that the diffs of a robot give. \return False if the map is not from
+   * diffs of this robot, or if blocks are missing. */
+  bool insertDiff(const mrpt::obs::CObservationMapDiff& diff);
   /** Inserts beams with the sensor model of insertionOptions. */
   void insertScan(const std::vector<octomap::point3d>& ends, const octomap::point3d& origin);
 
@@ -335,7 +346,8 @@ class MRPT_FUSION_API CProbOctoMap : public CMetricMap {
   TreeState m_tree_state{0};
   mrpt::fusion::Sources m_sources;
   uint64_t m_sources_hash = 0;  //!< Hash of the voxels that have these sources
-  mutable std::shared_ptr<const CSimplePointsMap> m_points;  //!< Last points; atomic access
+  std::shared_ptr<const mrpt::fusion::MapReplica> m_robot_map;  //!< What diffs gave; null: none
+  mutable std::shared_ptr<const CSimplePointsMap> m_points;     //!< Last points; atomic access
 };
 
 }  // namespace mrpt::maps

@@ -7,7 +7,13 @@
 #include <mrpt/poses/CPose3DPDFGaussian.h>
 
 #include <cstdint>
+#include <memory>
 #include <string>
+#include <vector>
+
+namespace octomap {
+class OcTree;
+}
 
 namespace mrpt::obs {
 
@@ -54,4 +60,62 @@ class MRPT_FUSION_API CObservationLocalMap : public CObservation {
       const override;  ///< Sequence, pose (m, rad) and description of the map
 };
 
+/** What has changed in the map of a robot: what the robot sends over a thin link, see
+ * doc/joining.md. `map-fusion join --record` writes such observations.
+ *
+ * The map is divided into blocks. A diff has the list of all blocks, and the blocks that have
+ * changed. So the diffs of a robot, in their order, give its map bit for bit. A diff with all
+ * blocks is a whole map: it starts anew. mrpt::maps::CProbOctoMap::insertObservation() takes the
+ * diffs of one robot.
+ *
+ * CObservation::sensorLabel is the name of the robot. CObservation::timestamp is the time when the
+ * diff was sent or had arrived. */
+class MRPT_FUSION_API CObservationMapDiff : public CObservation {
+  DEFINE_SERIALIZABLE(CObservationMapDiff, mrpt::obs)
+
+ public:
+  /** A block: a cube of the octree. */
+  struct Block {
+    uint64_t cube = 0;     ///< A leading 1, then 3 bits for each level from the root down
+    uint64_t version = 0;  ///< Version of the map at which the block changed last
+    std::string nodes;     ///< Compressed nodes of the cube, at most 8000 bytes
+  };
+
+  uint64_t version = 0;       ///< Version of the map
+  std::string index;          ///< Compressed list of all blocks of the map
+  std::vector<Block> blocks;  ///< Blocks that have changed
+
+  void getSensorPose(
+      mrpt::poses::CPose3D& out_sensorPose) const override;  ///< The frame of the map
+  /** Does nothing: the frame of the map is the frame of the sensor. */
+  void setSensorPose(const mrpt::poses::CPose3D& newSensorPose) override;
+  /** Describes robot, version and size. RawLogViewer shows this text. */
+  void getDescriptionAsText(std::ostream& o) const override;
+};
+
 }  // namespace mrpt::obs
+
+namespace mrpt::fusion {
+
+/** Makes the diffs of a map that grows, for a rawlog. One thread uses it at a time. */
+class MRPT_FUSION_API MapDiffs {
+ public:
+  /** \param[in] robot Name of the robot. */
+  explicit MapDiffs(const std::string& robot);
+  ~MapDiffs();
+  MapDiffs(MapDiffs&&) noexcept;
+  MapDiffs& operator=(MapDiffs&&) noexcept;
+
+  /** Returns what has changed since the last call. The first diff has the whole map. The timestamp
+   * is the present time. Null if nothing has changed.
+   * \param[in] map The map. It is copied.
+   * \exception std::length_error If the map is too large: 65536 blocks, 64 MB.
+   * Cost: one traversal, a copy, and the compression of the blocks that have changed. */
+  mrpt::obs::CObservationMapDiff::Ptr next(const octomap::OcTree& map);
+
+ private:
+  class Sent;
+  std::unique_ptr<Sent> m_sent;
+};
+
+}  // namespace mrpt::fusion

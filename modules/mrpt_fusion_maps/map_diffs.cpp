@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/** \file
+ * Makes diffs of maps, and adds them up. */
+
+#include "mrpt_fusion_maps/map_diffs.h"
+
+#include <mrpt/core/Clock.h>
+
+#include <memory>
+#include <random>
+#include <utility>
+
+#include "fusion_base/byte_reader.h"
+#include "fusion_link/pieces.h"
+#include "fusion_link/sent_map.h"
+
+using mrpt::obs::CObservationMapDiff;
+
+namespace mrpt::fusion {
+
+MapReplica emptyReplicaOf(const CObservationMapDiff& diff) {
+  return MapReplica({diff.sensorLabel, {}});
+}
+
+void addDiff(const CObservationMapDiff& diff, MapReplica& map) {
+  const bool is_whole = indexOf(diff.index).blocks.size() == diff.blocks.size();
+  MapReplica result = is_whole ? emptyReplicaOf(diff) : map;
+  const SourceName& source = map.source();
+  for (const Sample& piece : cutIntoPieces(source, SampleKind::Index, diff.version, diff.index))
+    result.add(piece);
+  for (const auto& block : diff.blocks)
+    result.add({{source, SampleKind::Block, block.cube}, block.version, block.nodes});
+  if (result.missing().empty() && result.completeVersion() == 0)
+    corrupt("a diff of a map is corrupt: its blocks are not those of its index");
+  map = std::move(result);
+}
+
+/** The map of which diffs were made. */
+class MapDiffs::Sent {
+ public:
+  explicit Sent(const std::string& robot)
+      : replica_({robot, {}}), map_(replica_, std::random_device()()) {}
+
+  CObservationMapDiff::Ptr next(const octomap::OcTree& map) {
+    const uint64_t before = replica_.completeVersion();
+    for (const Sample& sample : map_.update(std::make_shared<const octomap::OcTree>(map)))
+      if (sample.key.kind != SampleKind::Outline) replica_.add(sample);
+    const auto diff = diffSince(replica_, before);
+    if (!diff) return nullptr;
+    auto result = CObservationMapDiff::Create();
+    result->timestamp = mrpt::Clock::now();
+    fill(*result, *diff, diff->source.robot);
+    return result;
+  }
+
+ private:
+  MapReplica replica_;
+  SentMap map_;
+};
+
+MapDiffs::MapDiffs(const std::string& robot) : m_sent(std::make_unique<Sent>(robot)) {}
+MapDiffs::~MapDiffs() = default;
+MapDiffs::MapDiffs(MapDiffs&&) noexcept = default;
+MapDiffs& MapDiffs::operator=(MapDiffs&&) noexcept = default;
+
+CObservationMapDiff::Ptr MapDiffs::next(const octomap::OcTree& map) { return m_sent->next(map); }
+
+}  // namespace mrpt::fusion
