@@ -30,11 +30,13 @@ constexpr std::chrono::seconds kBeforeLeaving{1};
 }  // namespace
 
 LinkedTeam::LinkedTeam(const DdsSettings& settings, const std::string& journal,
-                       const Options& options)
-    : name_(settings.robot),
-      link_(openLink(settings)),
-      exchange_(settings.robot, *link_, journal),
-      view_(settings.robot, options) {}
+                       const std::optional<Options>& options)
+    : name_(settings.robot), link_(openLink(settings)), exchange_(settings.robot, *link_, journal) {
+  if (options)
+    view_ = std::make_unique<TeamView>(settings.robot, *options);
+  else
+    exchange_.askForOutlinesFirst();
+}
 
 void LinkedTeam::publish(const std::shared_ptr<const octomap::OcTree>& map) {
   exchange_.askForOutlinesFirst();  // from now on the overlap with a map is known
@@ -52,13 +54,13 @@ LinkedTeam::Progress LinkedTeam::step() {
   const bool is_thinking =
       thinking_.valid() && thinking_.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
   if (!is_thinking) progress.ended = finish();
-  if (is_thinking || !is_new_) return progress;
+  if (is_thinking || !is_new_ || !view_) return progress;
   is_new_ = false;
   progress.began = true;
   std::vector<MapSnapshot> maps;
   for (const auto& map : exchange_.maps()) maps.emplace_back(map.second);
-  thinking_ =
-      std::async(std::launch::async, [this, maps = std::move(maps)] { return view_.update(maps); });
+  thinking_ = std::async(std::launch::async,
+                         [this, maps = std::move(maps)] { return view_->update(maps); });
   return progress;
 }
 

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <future>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "fusion_link/dds_link.h"
@@ -23,9 +24,11 @@ class LinkedTeam {
  public:
   /** \param[in] settings The robot and its link.
    * \param[in] journal Folder of the journal. Empty: without a journal.
-   * \param[in] options Parameters of all stages.
-   * \exception std::runtime_error If the link cannot be opened, or see TeamExchange. */
-  LinkedTeam(const DdsSettings& settings, const std::string& journal, const Options& options);
+   * \param[in] options Parameters of all stages. Nothing: the robot only sends its map. It asks
+   * others for outlines at most, and does not fuse. \exception std::runtime_error If the link
+   * cannot be opened, or see TeamExchange. */
+  LinkedTeam(const DdsSettings& settings, const std::string& journal,
+             const std::optional<Options>& options);
 
   /** Sends the map of this robot, as far as it has changed. The map must not change afterwards. */
   void publish(const std::shared_ptr<const octomap::OcTree>& map);
@@ -59,7 +62,7 @@ class LinkedTeam {
   const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   std::unique_ptr<Link> link_;
   TeamExchange exchange_;
-  TeamView view_;  // of the thread that fuses
+  std::unique_ptr<TeamView> view_;  // of the thread that fuses; null: this robot does not fuse
   std::future<TeamKnowledge> thinking_;
   TeamKnowledge knowledge_;
   bool is_new_ = true;  // true if the maps have changed since the last fusion began

@@ -9,11 +9,15 @@
 #include <cmath>
 #include <initializer_list>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "fusion_base/config_check.h"
 #include "fusion_base/error_text.h"
+#include "fusion_base/printable.h"
+#include "fusion_link/dds_link.h"
+#include "fusion_link/statements.h"
 #include "fusion_octree/build.h"
 #include "fusion_octree/files.h"
 #include "fusion_octree/insertion/scan_insertion.h"
@@ -21,6 +25,7 @@
 #include "mrpt_fusion_maps/archives/blobs.h"
 #include "mrpt_fusion_maps/archives/flags.h"
 #include "mrpt_fusion_maps/archives/sources.h"
+#include "mrpt_fusion_maps/map_publisher.h"
 
 using namespace mrpt::fusion;
 using namespace mrpt::maps;
@@ -32,6 +37,25 @@ MAP_DEFINITION_REGISTER("mrpt::maps::CProbOctoMap,probOctoMap", mrpt::maps::CPro
 
 /** Largest range of a map definition, m. */
 constexpr double kMaxRange = 1e6;
+
+namespace {
+
+/** Reads to whom a map is sent. */
+void readLink(const mrpt::config::CConfigFileBase& source, const std::string& section,
+              TeamLink& link) {
+  checkKeys(source, section, {"robot", "domain", "peers", "journal"});
+  link.robot = source.read_string(section, "robot", link.robot);
+  if (!isName(link.robot))
+    THROW_EXCEPTION("[" + section + "] robot is not a name of 1 to " +
+                    std::to_string(kMostNameCharacters) + " printable characters");
+  link.domain = static_cast<uint32_t>(
+      readNumber(source, section, "domain", link.domain, 0, kMostDomain, NumberKind::Whole));
+  link.journal = source.read_string(section, "journal", link.journal);
+  std::istringstream peers(source.read_string(section, "peers", ""));
+  for (std::string peer; peers >> peer;) link.peers.push_back(peer);
+}
+
+}  // namespace
 
 CProbOctoMap::TMapDefinition::TMapDefinition() = default;
 
@@ -48,10 +72,14 @@ void CProbOctoMap::TMapDefinition::loadFromConfigFile_map_specific(
   checkKeys(source, likelihood, {"decimation"});
   likelihoodOpts.decimation = static_cast<uint32_t>(readNumber(
       source, likelihood, "decimation", likelihoodOpts.decimation, 1, 1e9, NumberKind::Whole));
+  readLink(source, prefix + "_linkOpts", linkOpts);
 }
 
 void CProbOctoMap::TMapDefinition::dumpToTextStream_map_specific(std::ostream& out) const {
   LOADABLEOPTS_DUMP_VAR(resolution, double);
+  if (!linkOpts.robot.empty())
+    out << "sent as robot '" << printable(linkOpts.robot) << "' to domain " << linkOpts.domain
+        << "\n";
   insertionOpts.dumpToTextStream(out);
   likelihoodOpts.dumpToTextStream(out);
 }
@@ -63,6 +91,7 @@ CreatedMap CProbOctoMap::internal_CreateFromMapDefinition(
   map->insertionOptions = def.insertionOpts;
   map->likelihoodOptions = def.likelihoodOpts;
   map->applySensorModel();
+  if (!def.linkOpts.robot.empty()) map->m_publisher = std::make_shared<MapPublisher>(def.linkOpts);
   return createdMap(std::move(map));
 }
 
@@ -160,11 +189,18 @@ CProbOctoMap::CProbOctoMap(const CProbOctoMap& o)
 
 CProbOctoMap& CProbOctoMap::operator=(const CProbOctoMap& o) {
   CProbOctoMap copy(o);
+  copy.m_publisher = m_publisher;
   *this = std::move(copy);
   return *this;
 }
 
-CProbOctoMap::~CProbOctoMap() = default;
+CProbOctoMap::~CProbOctoMap() {
+  if (m_publisher && m_octree) m_publisher->offerLast(*m_octree);
+}
+
+void CProbOctoMap::publish() noexcept {
+  if (m_publisher) m_publisher->offer(*m_octree);
+}
 
 void CProbOctoMap::replaceTree(std::unique_ptr<octomap::OcTree> tree) {
   m_octree = std::move(tree);

@@ -126,12 +126,18 @@ void CProbOctoMap::insertScan(const std::vector<octomap::point3d>& ends,
       *m_octree, ends, origin, insertionOptions.maxrange, insertionOptions.pruning, known)));
 }
 
-bool CProbOctoMap::internal_insertObservation(
-    const CObservation& obs, const std::optional<const mrpt::poses::CPose3D>& robotPose) {
+bool CProbOctoMap::insert(const CObservation& obs, const mrpt::poses::CPose3D& robot) {
   if (const auto* diff = dynamic_cast<const CObservationMapDiff*>(&obs)) return insertDiff(*diff);
-  const auto rays = raysOf(obs, robotPose.value_or(mrpt::poses::CPose3D()), getResolution());
+  const auto rays = raysOf(obs, robot, getResolution());
   if (!rays) return false;
   insertScan(rays->ends, rays->origin);
+  return true;
+}
+
+bool CProbOctoMap::internal_insertObservation(
+    const CObservation& obs, const std::optional<const mrpt::poses::CPose3D>& robotPose) {
+  if (!insert(obs, robotPose.value_or(mrpt::poses::CPose3D()))) return false;
+  publish();
   return true;
 }
 
@@ -152,6 +158,7 @@ void CProbOctoMap::insertPointCloud(const CPointsMap& points, float sensor_x, fl
   Rays rays(getResolution());
   addPoints(mrpt::poses::CPose3D(), points, rays);
   insertScan(rays.ends, octomap::point3d(sensor_x, sensor_y, sensor_z));
+  publish();
 }
 
 bool CProbOctoMap::internal_canComputeObservationLikelihood(const CObservation& obs) const {
@@ -181,6 +188,7 @@ void CProbOctoMap::insertPointCloud(const CPointsMap& points) {
   const auto known = static_cast<InnerNodes>(m_tree_state.innerNodes());
   m_tree_state.setInnerNodes(static_cast<uint8_t>(
       mrpt::fusion::finishLazyUpdates(*m_octree, insertionOptions.pruning, known)));
+  publish();
 }
 
 void CProbOctoMap::updateVoxel(double x, double y, double z, bool occupied) {

@@ -54,16 +54,16 @@ class Join : public AppTest {
   static std::string prefix() { return "mf" + std::to_string(::getpid()) + "r"; }
 
   /** Starts robot \a i in its namespace. */
-  void start(int i, const std::string& more = "") {
+  void start(int i, const std::string& more = "", const std::string& environment = "") {
     const std::string n = std::to_string(i), r = "r" + n;
-    runAs(i, MAP_FUSION " join --robot " + r + " --map " + r + ".ot --domain 7 -o fused" + n +
-                 ".ot --journal journal" + n + " " + more);
+    runAs(i, environment + " " MAP_FUSION " join --robot " + r + " --map " + r +
+                 ".ot --domain 7 -o fused" + n + ".ot --journal journal" + n + " " + more);
   }
   /** Runs a program as robot \a i. */
   void runAs(int i, const std::string& program) {
     const std::string n = std::to_string(i);
-    run(NETWORK " run " + prefix() + " " + n + " " + program + " >>log" + n + " 2>&1 & echo $! >r" +
-        n + ".pid");
+    run(NETWORK " run " + prefix() + " " + n + " env " + program + " >>log" + n +
+        " 2>&1 & echo $! >r" + n + ".pid");
   }
   void signal(int i, const char* name) {
     run(std::string("kill -") + name + " $(cat r" + std::to_string(i) + ".pid)");
@@ -231,6 +231,57 @@ TEST_F(Join, AProgramJoinsThroughTheClassOfTheTeam) {
   runAs(3, TEAM_MEMBER " r3 7 r3.ot fused3.ot");
   for (int i = 1; i <= 3; i++)
     ASSERT_TRUE(waitFor([&] { return hasExpected(i); }, seconds(60))) << i << "\n" << logs();
+}
+
+TEST_F(Join, AProgramOfMrptSendsItsMapWhenItsSettingsAskForIt) {
+  if (!connect(2)) GTEST_SKIP() << reason_;
+  // The settings of a laser scanner, see tests/installed/mapping_test.cpp.
+  writeFile(dir_ / "slam.ini", R"([ICP]
+maxIterations = 100
+thresholdDist = 0.3
+thresholdAng_DEG = 15
+ALFA = 0.5
+smallestThresholdDist = 0.05
+ICP_algorithm = icpClassic
+corresponding_points_decimation = 1
+[MappingApplication]
+rawlog_offset = 0
+logOutput_dir = log
+LOG_FREQUENCY = 1000
+SAVE_3D_SCENE = false
+SAVE_POSE_LOG = false
+CAMERA_3DSCENE_FOLLOWS_ROBOT = false
+SHOW_PROGRESS_3D_REAL_TIME = false
+SHOW_PROGRESS_3D_REAL_TIME_DELAY_MS = 0
+SHOW_LASER_SCANS_3D = false
+localizationLinDistance = 0.1
+localizationAngDistance = 5
+insertionLinDistance = 1.0
+insertionAngDistance = 15.0
+minICPgoodnessToAccept = 0.2
+matchAgainstTheGrid = false
+pointsMap_count = 1
+probOctoMap_count = 1
+[MappingApplication_pointsMap_00_insertOpts]
+minDistBetweenLaserPoints = 0.05
+[MappingApplication_probOctoMap_00_creationOpts]
+resolution = 0.2
+[MappingApplication_probOctoMap_00_linkOpts]
+robot = slam
+domain = 7
+)");
+  runAs(2, MAP_FUSION " join --robot base --domain 7 --record slam.rawlog");
+  const auto slam = run("ip netns exec " + prefix() +
+                        "1 env LD_PRELOAD=" FUSION_LIBRARY
+                        " icp-slam slam.ini '/usr/share/mrpt/datasets/"
+                        "2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog'");
+  ASSERT_EQ(slam.code, 0) << slam.out << slam.err;
+  const std::string map = readFile(dir_ / "log/_finalmaps_.txt_mrpt__maps__CProbOctoMap_01.ot");
+  const auto has_all = [&] {
+    return mapFusion("build -q slam.rawlog -o sent.ot").code == 0 &&
+           readFile(dir_ / "sent.ot") == map;
+  };
+  EXPECT_TRUE(waitFor(has_all, seconds(10))) << logs() << slam.err;
 }
 
 TEST_F(Join, ARobotWithTheNameOfAnotherLeaves) {

@@ -6,7 +6,10 @@
 #include <mrpt/maps/CMultiMetricMap.h>
 #include <mrpt/maps/COctoMap.h>
 
+#include <algorithm>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "support/mrpt_tools.h"
 #include "support/observations.h"
@@ -46,6 +49,45 @@ CMultiMetricMap mapsOf(const std::string& ini) {
 }
 
 }  // namespace
+
+TEST(ProbOctoMapDefinition, ALinkIsReadAndChecked) {
+  const auto definitionOf = [](const std::string& keys) {
+    CProbOctoMap::TMapDefinition definition;
+    definition.loadFromConfigFile(CConfigFileMemory("[Map_linkOpts]\n" + keys), "Map");
+    return definition.linkOpts;
+  };
+  EXPECT_TRUE(definitionOf("").robot.empty());
+  const auto link = definitionOf("robot = r1\ndomain = 7\npeers = 10.0.0.1 10.0.0.2\njournal = /j");
+  EXPECT_EQ("r1", link.robot);
+  EXPECT_EQ(7U, link.domain);
+  EXPECT_EQ((std::vector<std::string>{"10.0.0.1", "10.0.0.2"}), link.peers);
+  EXPECT_EQ("/j", link.journal);
+  for (const std::string& wrong : {"robot = " + std::string(64, 'n'), std::string("domain = 233"),
+                                   std::string("domain = 1.5"), std::string("robbot = r1")})
+    EXPECT_NE(errorOf([&] { definitionOf(wrong); }).find("[Map_linkOpts]"), std::string::npos)
+        << wrong;
+}
+
+TEST(ProbOctoMapDefinition, AMapThatCannotBeSentSaysSoOnceAndIsBuilt) {
+  testing::internal::CaptureStderr();
+  const auto points = cloudOf(domePoints(1));
+  CProbOctoMap without;
+  without.insertObservation(*points);
+  {
+    // No address: the link cannot be opened.
+    const auto maps = mapsOf(
+        "[Mapping]\nprobOctoMap_count = 1\n[Mapping_probOctoMap_00_linkOpts]\nrobot = r1\n"
+        "domain = 13\npeers = no*address\n");
+    const auto map = maps.mapByClass<CProbOctoMap>();
+    ASSERT_TRUE(map);
+    EXPECT_TRUE(map->insertObservation(*points));
+    EXPECT_TRUE(sameTree(map->octree(), without.octree()));
+    map->insertObservation(*points);
+  }
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(0U, said.find("CProbOctoMap: the map of robot 'r1' is not sent: ")) << said;
+  EXPECT_EQ(1, std::count(said.begin(), said.end(), '\n')) << said;
+}
 
 TEST(ProbOctoMapDefinition, AnIniSectionMakesAMapWithItsOptions) {
   const CMultiMetricMap maps = mapsOf(kDefinition);

@@ -16,13 +16,7 @@
 
 namespace mrpt::slam {
 
-/** A link to the robots of a team, see doc/joining.md. */
-struct TTeamLink {
-  std::string robot;               //!< Name of this robot
-  uint32_t domain = 0;             //!< Number of the domain, 0 to 232: robots of one domain meet
-  std::vector<std::string> peers;  //!< Addresses of robots; empty: robots are found by multicast
-  std::string journal;             //!< Folder that keeps what has arrived; empty: none
-};
+using TTeamLink = mrpt::fusion::TeamLink;  //!< A link to the robots of a team
 
 /** The maps of a team of robots in a SLAM program, and the map that they make together.
  * \code

@@ -18,8 +18,19 @@
 #include <vector>
 
 namespace mrpt::fusion {
+
+class MapPublisher;
 class MapReplica;
 struct SourcesOfMap;
+
+/** A link to the robots of a team, see doc/joining.md. */
+struct TeamLink {
+  std::string robot;               //!< Name of this robot
+  uint32_t domain = 0;             //!< Number of the domain, 0 to 232: robots of one domain meet
+  std::vector<std::string> peers;  //!< Addresses of robots; empty: robots are found by multicast
+  std::string journal;             //!< Folder that keeps what has arrived; empty: none
+};
+
 }  // namespace mrpt::fusion
 
 namespace mrpt::obs {
@@ -65,7 +76,16 @@ class COccupancyGridMap3D;
  * clampingThresMax = 0.971
  * [MappingApplication_probOctoMap_00_likelihoodOpts]
  * decimation = 1         // every decimation-th ray is used
+ * [MappingApplication_probOctoMap_00_linkOpts]
+ * robot = r1             // default: the map is not sent
+ * domain = 7             // 0 to 232
+ * peers =                // addresses of other robots; default: they are found by multicast
+ * journal =              // folder; default: none
  * \endcode
+ * With a robot, the map is sent to the robots of the domain while observations and points are
+ * inserted, see doc/joining.md. Another thread sends it: insertion neither waits nor throws. Once a
+ * second at most, the map is copied. The destructor sends the last state, for at most 6 s. Copies
+ * of the map are not sent. A program sends one map to a domain: the first that is inserted into.
  */
 class MRPT_FUSION_API CProbOctoMap : public CMetricMap {
   DEFINE_SERIALIZABLE(CProbOctoMap, mrpt::maps)
@@ -129,6 +149,7 @@ class MRPT_FUSION_API CProbOctoMap : public CMetricMap {
   double resolution = 0.10;                                     //!< Voxel size, m
   mrpt::maps::CProbOctoMap::TInsertionOptions insertionOpts;    //!< Becomes insertionOptions
   mrpt::maps::CProbOctoMap::TLikelihoodOptions likelihoodOpts;  //!< Becomes likelihoodOptions
+  mrpt::fusion::TeamLink linkOpts;  //!< To whom the map is sent; without a robot: to nobody
   MAP_DEFINITION_END(CProbOctoMap)
 
   /** @name The octree
@@ -335,6 +356,9 @@ class MRPT_FUSION_API CProbOctoMap : public CMetricMap {
     static constexpr uint8_t kLent = 255;
     std::atomic<uint8_t> m_value;
   };
+  bool insert(const mrpt::obs::CObservation& obs, const mrpt::poses::CPose3D& robot);
+  /** Sends the map, if it is sent. */
+  void publish() noexcept;
   /** Makes this map the map that the diffs of a robot give. \return False if the map is not from
    * diffs of this robot, or if blocks are missing. */
   bool insertDiff(const mrpt::obs::CObservationMapDiff& diff);
@@ -347,6 +371,7 @@ class MRPT_FUSION_API CProbOctoMap : public CMetricMap {
   mrpt::fusion::Sources m_sources;
   uint64_t m_sources_hash = 0;  //!< Hash of the voxels that have these sources
   std::shared_ptr<const mrpt::fusion::MapReplica> m_robot_map;  //!< What diffs gave; null: none
+  std::shared_ptr<mrpt::fusion::MapPublisher> m_publisher;      //!< Null: the map is not sent
   mutable std::shared_ptr<const CSimplePointsMap> m_points;     //!< Last points; atomic access
 };
 
