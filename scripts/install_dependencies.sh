@@ -19,6 +19,7 @@ packages=(
   mrpt-apps mrpt-common             # tests: MRPT's programs, sample data
   doxygen                           # tests: every public symbol is documented
   iproute2 nftables                 # tests: thin links that lose packets
+  openssl                           # certificates for robots that encrypt
   xvfb xauth imagemagick libgl1-mesa-dri # tests: windows and pictures of them, without a screen
 )
 for argument in "$@"; do

@@ -284,6 +284,26 @@ domain = 7
   EXPECT_TRUE(waitFor(has_all, seconds(10))) << logs() << slam.err;
 }
 
+TEST_F(Join, RobotsWithCertificatesMeetAndOthersStayOutside) {
+  ASSERT_NO_FATAL_FAILURE(expectFusionOf("r1.ot r2.ot"));
+  if (!connect(3)) GTEST_SKIP() << reason_;
+  const auto made = run(SECURITY " keys r1 r2");
+  if (made.code != 0) GTEST_SKIP() << "no plugins of DDS Security, or no openssl: " << made.err;
+  const auto secured = [&](int i) {
+    const std::string n = std::to_string(i);
+    start(i, "", "CYCLONEDDS_URI=file://" + (dir_ / "keys/r").string() + n + ".xml");
+  };
+  start(3);  // without a certificate
+  secured(1);
+  secured(2);
+  for (int i = 1; i <= 2; i++)
+    ASSERT_TRUE(waitFor([&] { return hasExpected(i); }, seconds(60))) << i << "\n" << logs();
+  for (int i = 1; i <= 2; i++)
+    EXPECT_EQ(readFile(dir_ / ("log" + std::to_string(i))).find("r3"), std::string::npos) << logs();
+  EXPECT_EQ(readFile(dir_ / "log3").find("r1"), std::string::npos) << logs();
+  EXPECT_EQ(readFile(dir_ / "log3").find("r2"), std::string::npos) << logs();
+}
+
 TEST_F(Join, ARobotWithTheNameOfAnotherLeaves) {
   if (!connect(2)) GTEST_SKIP() << reason_;
   start(1, "--quiet");
