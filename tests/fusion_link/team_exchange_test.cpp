@@ -256,6 +256,46 @@ TEST(TeamExchange, TheJournalStaysSmall) {
   EXPECT_TRUE(has(b.exchange, "a", clutter(59, 3)));
 }
 
+TEST(TeamExchange, AfterAMissionARobotHoldsNoMoreThanARobotThatComesNow) {
+  constexpr int kVersions = 40;
+  constexpr int kReach = 120;  // voxels
+  SimulatedNetwork network(17, {0.2, 8});
+  std::vector<std::unique_ptr<Robot>> team;
+  std::vector<Robot*> robots;
+  std::vector<octomap::OcTree> maps(4, octomap::OcTree(0.1));
+  for (const char* name : {"a", "b", "c", "d"})
+    robots.push_back(team.emplace_back(std::make_unique<Robot>(network, name)).get());
+  std::mt19937 random(3);
+  for (int version = 0; version < kVersions; version++) {
+    // They drive to and fro. What they see again changes, too.
+    const int x = std::abs((8 * version) % (2 * kReach) - kReach);
+    for (size_t r = 0; r < robots.size(); r++) {
+      for (int i = 0; i < 2000; i++)
+        putVoxel(maps[r],
+                 {x + static_cast<int>(random() % 20), static_cast<int>(random() % 20),
+                  static_cast<int>(random() % 20)},
+                 static_cast<float>(random() % 1000) / 300 - 1);
+      finish(maps[r]);
+      robots[r]->exchange.publish(std::make_shared<octomap::OcTree>(maps[r]));
+    }
+    network.separate(*robots[0]->port, *robots[1]->port, version % 20 > 12);
+    run(network, robots, 4);
+  }
+  network.separate(*robots[0]->port, *robots[1]->port, false);
+  Robot late(network, "late");
+  robots.push_back(&late);
+  run(network, robots, 200);
+  for (const Robot* robot : robots)
+    for (size_t r = 0; r < maps.size(); r++) {
+      const std::string name(1, static_cast<char>('a' + r));
+      EXPECT_TRUE(has(robot->exchange, name, std::make_shared<octomap::OcTree>(maps[r])));
+      EXPECT_EQ(robot->exchange.maps().at({name, ""}).bytes(),
+                late.exchange.maps().at({name, ""}).bytes())
+          << name;
+      EXPECT_FALSE(robot->exchange.isWaiting());
+    }
+}
+
 TEST(TeamExchange, ARobotWithoutAJournalContinuesAboveItsOldVersions) {
   SimulatedNetwork network(11, kGood);
   Robot b(network, "b");
