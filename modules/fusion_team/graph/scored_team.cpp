@@ -34,7 +34,6 @@ void unite(KnownObstacles& all, const ComparedObstacles& more, bool is_sure) {
 
 ScoredTeam::ScoredTeam(const Configuration& configuration, const TeamEvidence& evidence)
     : evidence_(&evidence),
-      tolerance_(evidence.tolerance()),
       pose_(evidence.size()),
       box_(evidence.size()),
       relations_(evidence.size()),
@@ -93,10 +92,11 @@ void ScoredTeam::remove(size_t map) {
 }
 
 double ScoredTeam::scoreOf(const KnownObstacles& o, size_t map) const {
+  const ConflictTolerance tolerance = evidence_->tolerance(map);
   return evidence_->areaOfObstacle(map) *
-         (countOf(o.confirmed) - countOf(o.displaced) / tolerance_.displaced -
-          countOf(o.contradicted) / tolerance_.contradicted -
-          countOf(o.explained) / tolerance_.explained);
+         (countOf(o.confirmed) - countOf(o.displaced) / tolerance.displaced -
+          countOf(o.contradicted) / tolerance.contradicted -
+          countOf(o.explained) / tolerance.explained);
 }
 
 double ScoredTeam::openArea(size_t map) const {
@@ -105,14 +105,15 @@ double ScoredTeam::openArea(size_t map) const {
 
 double ScoredTeam::gainOf(size_t placed, const ComparedObstacles& more, bool is_sure) const {
   const KnownObstacles& known = known_[placed];
+  const ConflictTolerance tolerance = evidence_->tolerance(placed);
   double conflicts = 0;
   if (!is_sure) {
-    conflicts = countOfNew(more.displaced, known.displaced) / tolerance_.displaced +
-                countOfNew(more.contradicted, known.contradicted) / tolerance_.contradicted;
+    conflicts = countOfNew(more.displaced, known.displaced) / tolerance.displaced +
+                countOfNew(more.contradicted, known.contradicted) / tolerance.contradicted;
   } else {  // the two sets are disjoint
     conflicts = (countOfNew(more.displaced, known.explained) +
                  countOfNew(more.contradicted, known.explained)) /
-                tolerance_.explained;
+                tolerance.explained;
   }
   return evidence_->areaOfObstacle(placed) *
          (countOfNew(more.confirmed, known.confirmed) - conflicts);

@@ -77,7 +77,6 @@ class ScoredTeam {
 
  private:
   const TeamEvidence* evidence_;
-  ConflictTolerance tolerance_;
   std::vector<std::optional<Eigen::Isometry3d>> pose_;
   std::vector<Eigen::AlignedBox3d> box_;
   std::vector<std::vector<std::pair<size_t, Relation>>> relations_;

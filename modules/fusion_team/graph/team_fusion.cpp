@@ -19,26 +19,19 @@
 namespace mrpt::fusion {
 namespace {
 
-/** Hypotheses of each match that may be part of a configuration. */
-constexpr size_t kMostHypotheses = 12;
-
 /** Returns the hypotheses of all matches that the maps do not contradict. */
 std::vector<Way> waysOf(const std::vector<PairMatch>& matches, const TeamEvidence& evidence) {
   std::vector<Way> ways;
-  for (const PairMatch& m : matches) {
-    const auto& hypotheses = m.alignment.match.hypotheses;
-    for (size_t i = 0; i < std::min(kMostHypotheses, hypotheses.size()); i++) {
-      // The first hypothesis is the match before the registration with all voxels.
-      const Eigen::Isometry3d& T = i == 0 ? m.alignment.match.T_a_b : hypotheses[i].T_a_b;
+  for (const PairMatch& m : matches)
+    for (const Eigen::Isometry3d& T : hypothesesOf(m)) {
       const Way way{m.a, m.b, evidence.near(m.a, m.b, T).T_a_b};
       if (pairOf(way, evidence).score > 0) ways.push_back(way);
     }
-  }
   return ways;
 }
 
 std::vector<JudgedWay> judged(const std::vector<Way>& ways, const std::vector<PairMatch>& matches,
-                              const TeamEvidence& evidence) {
+                              const EvidenceOfMaps& evidence) {
   std::vector<JudgedWay> result;
   for (const Way& way : ways) {
     const auto match = std::find_if(matches.begin(), matches.end(), [&](const PairMatch& m) {
@@ -46,7 +39,7 @@ std::vector<JudgedWay> judged(const std::vector<Way>& ways, const std::vector<Pa
     });
     const Alignment& pair = match->alignment;
     const bool is_match = evidence.isSame(way.b, way.T_a_b, pair.match.T_a_b);
-    result.push_back({way, is_match && pair.evaluation.accepted ? pair.evaluation.probability : 0});
+    result.push_back({way, is_match && evidence.holds(*match) ? pair.evaluation.probability : 0});
   }
   return result;
 }

@@ -69,8 +69,8 @@ class TeamEvidence {
   virtual double areaOfObstacle(size_t map) const = 0;
   /** Area of all surfaces of a map, m^2: that of all obstacles in its evidence. */
   virtual double areaOf(size_t map) const = 0;
-  /** Shares of conflicts at which confirmed obstacles count nothing. */
-  virtual ConflictTolerance tolerance() const = 0;
+  /** Shares of conflicts at which confirmed obstacles of a map count nothing. */
+  virtual ConflictTolerance tolerance(size_t map) const = 0;
 };
 
 /** A map at a pose. */

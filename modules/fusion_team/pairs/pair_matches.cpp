@@ -4,7 +4,9 @@
 #include "fusion_team/pairs/pair_matches.h"
 
 #include <algorithm>
+#include <limits>
 #include <mutex>
+#include <numeric>
 
 #include "fusion_base/error_text.h"
 #include "fusion_core/features/features.h"
@@ -25,6 +27,17 @@ double exceededBy(double share, std::vector<double> values) {
 }
 
 }  // namespace
+
+std::vector<Eigen::Isometry3d> hypothesesOf(const PairMatch& match) {
+  constexpr size_t kMost = 12;
+  const MatchResult& result = match.alignment.match;
+  std::vector<Eigen::Isometry3d> poses;
+  for (const RankedPose& h : result.hypotheses)
+    if (poses.size() < kMost) poses.push_back(h.T_a_b);
+  // The first hypothesis is the match before the registration with all voxels.
+  if (!poses.empty()) poses.front() = result.T_a_b;
+  return poses;
+}
 
 std::vector<PairMatch> matchPairs(const std::vector<RobotMap>& maps, const Options& options,
                                   Executor& executor, const OnMember& on_member,
@@ -51,7 +64,10 @@ std::vector<PairMatch> matchPairs(const std::vector<RobotMap>& maps, const Optio
 
 EvidenceOfMaps::EvidenceOfMaps(const std::vector<RobotMap>& maps, const Options& options,
                                PairMemory& memory)
-    : maps_(maps), pairs_(maps.size()), sure_(maps.size()) {
+    : maps_(maps),
+      pairs_(maps.size()),
+      sure_(maps.size()),
+      conflict_tolerance_(maps.size(), kLeastTolerance) {
   double scale = 0;
   for (size_t a = 0; a < maps.size(); a++) {
     const MapFeatures& map = maps[a].map.features();
@@ -68,34 +84,80 @@ EvidenceOfMaps::EvidenceOfMaps(const std::vector<RobotMap>& maps, const Options&
       pairs_[a].push_back(memory.evidence(maps[a].map, maps[b].map, options));
     sure_[a].resize(pairs_[a].size());
   }
+  min_overlap_ = options.evaluation.min_overlap;
   tolerance_ = options.evaluation.tolerance;
   tolerance_.translation *= scale;
 }
 
-void EvidenceOfMaps::adaptTolerance(const std::vector<PairMatch>& matches) {
-  constexpr double kFactor = 5;   // a team has more conflicts than a pair: any map may show it
-  constexpr double kClear = 0.5;  // a wrong match that was accepted has a strong rival
-  std::vector<double> displaced, contradicted;  // shares
-  for (const PairMatch& m : matches) {
-    const Evaluation& verdict = m.alignment.evaluation;
-    if (!verdict.accepted || verdict.rival_weight > kClear) continue;
-    const PairEvidence& e = near(m.a, m.b, m.alignment.match.T_a_b);
-    const double known = e.confirmed() + e.displaced() + e.contradicted();
-    if (known == 0) continue;
-    displaced.push_back(e.displaced() / known);
-    contradicted.push_back(e.contradicted() / known);
+double EvidenceOfMaps::fit(const PairEvidence& e) const {
+  return e.confirmed() - (e.displaced() + e.contradicted()) / kLeastTolerance.explained;
+}
+
+double EvidenceOfMaps::overlapOf(size_t a, size_t b, const PairEvidence& e) const {
+  const auto area = [&](const ComparedObstacles& of_map, size_t map) {
+    return area_of_obstacle_[map] * countOf(of_map.confirmed);
+  };
+  return (area(e.of_a, a) + area(e.of_b, b)) / (area_[a] + area_[b]);
+}
+
+double EvidenceOfMaps::rivalOf(const PairMatch& match, const Eigen::Isometry3d& T_a_b) const {
+  const PairEvidence& of_pose = near(match.a, match.b, T_a_b);
+  if (overlapOf(match.a, match.b, of_pose) < min_overlap_ || fit(of_pose) <= 0)
+    return std::numeric_limits<double>::infinity();
+  double rival = 0;
+  for (const Eigen::Isometry3d& T : hypothesesOf(match)) {
+    const PairEvidence& e = near(match.a, match.b, T);
+    if (!isSame(match.b, e.T_a_b, of_pose.T_a_b)) rival = std::max(rival, fit(e));
   }
-  const double most = conflict_tolerance_.explained;
-  conflict_tolerance_ = {
-      std::clamp(kFactor * exceededBy(0.5, displaced), kLeastTolerance.displaced, most),
-      std::clamp(kFactor * exceededBy(0.1, contradicted), kLeastTolerance.contradicted, most)};
+  return rival / fit(of_pose);
+}
+
+bool EvidenceOfMaps::holds(const PairMatch& match) const {
+  return match.alignment.evaluation.accepted && rivalOf(match, match.alignment.match.T_a_b) <= 1;
+}
+
+std::optional<Eigen::Isometry3d> EvidenceOfMaps::clearPoseOf(const PairMatch& match) const {
+  constexpr double kMostRival = 0.5;  // a wrong pose has a stronger rival
+  for (const Eigen::Isometry3d& T : hypothesesOf(match))
+    if (rivalOf(match, T) <= kMostRival) return T;
+  return std::nullopt;
+}
+
+void EvidenceOfMaps::adaptTolerance(const std::vector<PairMatch>& matches) {
+  constexpr double kFactor = 5;  // a team has more conflicts than a pair: any map may show it
+  struct Shares {
+    std::vector<double> displaced, contradicted;
+  };
+  std::vector<size_t> place(size());  // maps that clear poses connect have the same
+  std::iota(place.begin(), place.end(), 0);
+  std::vector<std::pair<size_t, const PairEvidence*>> clear;
+  for (const PairMatch& m : matches) {
+    const auto T = clearPoseOf(m);
+    if (!T) continue;
+    clear.emplace_back(m.a, &near(m.a, m.b, *T));
+    std::replace(place.begin(), place.end(), size_t(place[m.b]), size_t(place[m.a]));
+  }
+  std::vector<Shares> of_place(size());
+  for (const auto& [map, e] : clear) {
+    const double known = e->confirmed() + e->displaced() + e->contradicted();
+    of_place[place[map]].displaced.push_back(e->displaced() / known);
+    of_place[place[map]].contradicted.push_back(e->contradicted() / known);
+  }
+  for (size_t k = 0; k < size(); k++) {
+    const Shares& shares = of_place[place[k]];
+    const double most = kLeastTolerance.explained;
+    conflict_tolerance_[k] = {
+        std::clamp(kFactor * exceededBy(0.5, shares.displaced), kLeastTolerance.displaced, most),
+        std::clamp(kFactor * exceededBy(0.1, shares.contradicted), kLeastTolerance.contradicted,
+                   most)};
+  }
 }
 
 void EvidenceOfMaps::setSureMatches(const std::vector<PairMatch>& matches,
                                     double least_probability) {
   for (const PairMatch& m : matches) {
     const Evaluation& verdict = m.alignment.evaluation;
-    if (verdict.accepted && verdict.probability >= least_probability)
+    if (verdict.probability >= least_probability && holds(m))
       sure_[m.a][m.b - m.a - 1] = m.alignment.match.T_a_b;
   }
 }

@@ -23,6 +23,9 @@ struct PairMatch {
   Alignment alignment;  ///< The match, with all its hypotheses
 };
 
+/** Returns the hypotheses of a match that may be part of a configuration, the match first. */
+std::vector<Eigen::Isometry3d> hypothesesOf(const PairMatch& match);
+
 /** Matches the candidate pairs of whole maps. Each match is independent of the others.
  * Cost: see candidatePairs(), less the matches that \a memory knows. */
 std::vector<PairMatch> matchPairs(const std::vector<RobotMap>& maps, const Options& options,
@@ -41,15 +44,29 @@ class EvidenceOfMaps : public TeamEvidence {
   Eigen::AlignedBox3d box(size_t map) const override { return box_[map]; }
   double areaOfObstacle(size_t map) const override { return area_of_obstacle_[map]; }
   double areaOf(size_t map) const override { return area_[map]; }
-  ConflictTolerance tolerance() const override { return conflict_tolerance_; }
-  /** Sets the tolerance to a multiple of the shares of conflicts of the clear matches. The
+  ConflictTolerance tolerance(size_t map) const override { return conflict_tolerance_[map]; }
+  /** True if a match is accepted and the maps bear it out: they overlap there, most of what they
+   * know agrees, and they fit better at none of its other hypotheses. What a match claims counts
+   * only then: a wrong match may claim to be sure. */
+  bool holds(const PairMatch& match) const;
+  /** Sets the tolerance of each place to a multiple of the shares of conflicts of its maps, at the
+   * clear poses of their pairs. A pose is clear if no other hypothesis of the pair fits half as
+   * well; what the matches claim does not count. Maps that clear poses connect are one place. The
    * tolerance of a place where nothing moves is the least; a fixed share is the largest. People who
    * walk are obstacles in one map and free space in another. */
   void adaptTolerance(const std::vector<PairMatch>& matches);
-  /** Sets the sure matches: accepted, with at least a probability. See isSure(). */
+  /** Sets the sure matches: those that hold(), with at least a probability. See isSure(). */
   void setSureMatches(const std::vector<PairMatch>& matches, double least_probability);
 
  private:
+  /** How well a pair fits: confirmed obstacles less conflicts over the explained tolerance. */
+  double fit(const PairEvidence& e) const;
+  /** Share of the surface of both maps that is confirmed. */
+  double overlapOf(size_t a, size_t b, const PairEvidence& e) const;
+  /** Best fit of another hypothesis of a match over the fit of a pose; infinity without overlap. */
+  double rivalOf(const PairMatch& match, const Eigen::Isometry3d& T_a_b) const;
+  /** Pose of the maps of a match without a strong rival, if there is one. */
+  std::optional<Eigen::Isometry3d> clearPoseOf(const PairMatch& match) const;
   /** Where nothing moves, a right configuration has less than half of these shares of conflicts,
    * see doc/decisions/037-team.md. */
   static constexpr ConflictTolerance kLeastTolerance{0.03, 0.01};
@@ -60,7 +77,8 @@ class EvidenceOfMaps : public TeamEvidence {
   std::vector<std::vector<std::optional<Eigen::Isometry3d>>> sure_;  // T_a_b, by a and b - a - 1
   std::vector<Eigen::Vector3d> middle_;
   PoseTolerance tolerance_;
-  ConflictTolerance conflict_tolerance_ = kLeastTolerance;
+  double min_overlap_;                                 // of a match that holds
+  std::vector<ConflictTolerance> conflict_tolerance_;  // by map
 };
 
 }  // namespace mrpt::fusion

@@ -45,7 +45,7 @@ class Corridor : public TeamEvidence {
   }
   double areaOfObstacle(size_t) const override { return 1; }
   double areaOf(size_t) const override { return kLength; }
-  ConflictTolerance tolerance() const override { return {0.03, 0.01}; }
+  ConflictTolerance tolerance(size_t) const override { return {0.03, 0.01}; }
   const PairEvidence& near(size_t a, size_t b, const Isometry3d& T) const override {
     questions_++;
     const int offset = int(std::lround(T.translation().x()));

@@ -39,7 +39,7 @@ class TwoPlaces : public TeamEvidence {
   Eigen::AlignedBox3d box(size_t) const override { return everywhere(); }
   double areaOfObstacle(size_t) const override { return 1; }
   double areaOf(size_t) const override { return 64; }
-  ConflictTolerance tolerance() const override { return {0.5, 0.5}; }
+  ConflictTolerance tolerance(size_t) const override { return {0.5, 0.5}; }
   const PairEvidence& near(size_t a, size_t b, const Isometry3d& T) const override {
     const ObstacleSet low{0xffffffffU}, high{0xffffffff00000000U}, few{0xfffff00000000U}, no{0};
     static const PairEvidence none{}, right{{}, {}, {low, no, no}, {low, no, no}},

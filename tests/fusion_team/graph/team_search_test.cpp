@@ -50,7 +50,7 @@ class Square : public TeamEvidence {
   Eigen::AlignedBox3d box(size_t) const override { return everywhere(); }
   double areaOfObstacle(size_t) const override { return 1; }
   double areaOf(size_t) const override { return 64; }
-  ConflictTolerance tolerance() const override { return {0.03, 0.01}; }
+  ConflictTolerance tolerance(size_t) const override { return {0.03, 0.01}; }
   const PairEvidence& near(size_t a, size_t b, const Isometry3d& T) const override {
     static const PairEvidence none{},
         right{{}, {}, {{0xffffffffU << (a % 2 * 16)}, {0}, {0}}, {{0xffffffffU}, {0}, {0}}},
@@ -169,7 +169,7 @@ TEST(TeamScore, ASureMatchExplainsItsConflicts) {
   EXPECT_EQ(areas.explained, 16);
   EXPECT_EQ(areas.contradicted, 0);
   EXPECT_EQ(areas.conflictRatio(), areasOf(0, ScoredTeam(c, Square())).conflictRatio());
-  EXPECT_NEAR(scoreOf(c, square), 64 - 16 / square.tolerance().explained, 1e-9);
+  EXPECT_NEAR(scoreOf(c, square), 64 - 16 / square.tolerance(0).explained, 1e-9);
   c.pose[2] = at(6, 1);
   EXPECT_EQ(areasOf(0, ScoredTeam(c, square)).contradicted, 16) << "another place is not sure";
 }
@@ -196,7 +196,7 @@ class Places : public TeamEvidence {
   Eigen::AlignedBox3d box(size_t) const override { return everywhere(); }
   double areaOfObstacle(size_t) const override { return 1; }
   double areaOf(size_t) const override { return 64 * double(maps_); }
-  ConflictTolerance tolerance() const override { return {0.03, 0.01}; }
+  ConflictTolerance tolerance(size_t) const override { return {0.03, 0.01}; }
   const PairEvidence& near(size_t a, size_t b, const Isometry3d& T) const override {
     static const PairEvidence none{};
     for (const auto& [way, evidence] : known_)

@@ -64,30 +64,92 @@ TEST(PairEvidence, MapsThatDoNotMeetSayNothing) {
   EXPECT_TRUE(e.of_b.confirmed.empty());
 }
 
-/** The tolerance of a team of two rooms that are matched at the right pose. */
-ConflictTolerance adapted(const PreparedMap& a, const PreparedMap& b, bool accepted,
-                          double runner_up, double support = 1) {
-  const std::vector<RobotMap> maps{{"a", a}, {"b", b}};
-  PairMemory memory;
-  EvidenceOfMaps evidence(maps, Options(), memory);
-  PairMatch match{0, 1, {}};
-  match.alignment.evaluation.accepted = accepted;
-  match.alignment.evaluation.runner_up = runner_up;
-  match.alignment.evaluation.rival_weight = runner_up * support;
-  evidence.adaptTolerance({match});
-  return evidence.tolerance();
+/** B is turned about the middle of a room: walls lie on walls. */
+Eigen::Isometry3d turned() {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation() = Eigen::Vector3d(6, 5, 0);
+  T.linear() = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()).matrix();
+  return T;
 }
 
-TEST(ConflictTolerance, GrowsWithWhatMovedBetweenTheMapsOfAClearMatch) {
-  const ConflictTolerance still = adapted(room(0), room(0), true, 0.1);
-  const ConflictTolerance moved = adapted(room(0), room(1.6), true, 0.1);
-  EXPECT_GT(moved.contradicted, 1.5 * still.contradicted);
-  EXPECT_EQ(adapted(room(0), room(1.6), false, 0.1).contradicted, still.contradicted)
-      << "a match that is not accepted may be wrong";
-  EXPECT_EQ(adapted(room(0), room(1.6), true, 0.8).contradicted, still.contradicted)
-      << "a match with a strong rival may be wrong";
-  EXPECT_EQ(adapted(room(0), room(1.6), true, 0.8, 0.1).contradicted, moved.contradicted)
+/** B stands beside A: their walls touch. */
+Eigen::Isometry3d beside() {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation().x() = 5.9;
+  return T;
+}
+
+/** B stands half in the room of A. */
+Eigen::Isometry3d askew() {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translation() = Eigen::Vector3d(2.3, 1.7, 0);
+  T.linear() = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()).matrix();
+  return T;
+}
+
+/** A match of rooms \a a and \a b that claims to be sure of its first hypothesis. */
+PairMatch claimed(const std::vector<Eigen::Isometry3d>& poses, size_t a = 0, size_t b = 1) {
+  PairMatch match{a, b, {}};
+  match.alignment.evaluation.accepted = true;
+  match.alignment.evaluation.probability = 1;
+  match.alignment.match.T_a_b = poses.front();
+  for (const Eigen::Isometry3d& T : poses)
+    match.alignment.match.hypotheses.push_back({T, 1, Matrix6d::Identity()});
+  return match;
+}
+
+/** The tolerance for each room of a team whose rooms are matched. */
+std::vector<ConflictTolerance> adapted(const std::vector<PreparedMap>& rooms,
+                                       const std::vector<PairMatch>& matches) {
+  std::vector<RobotMap> maps;
+  for (const PreparedMap& map : rooms) maps.push_back({std::to_string(maps.size()), map});
+  PairMemory memory;
+  EvidenceOfMaps evidence(maps, Options(), memory);
+  evidence.adaptTolerance(matches);
+  std::vector<ConflictTolerance> tolerance;
+  for (size_t k = 0; k < maps.size(); k++) tolerance.push_back(evidence.tolerance(k));
+  return tolerance;
+}
+
+const Eigen::Isometry3d kRight = Eigen::Isometry3d::Identity();
+
+TEST(ConflictTolerance, GrowsWithWhatMovedBetweenMapsWithAClearPose) {
+  const double still = adapted({room(0), room(0)}, {claimed({kRight})})[0].contradicted;
+  const double moved = adapted({room(0), room(1.6)}, {claimed({kRight})})[0].contradicted;
+  EXPECT_GT(moved, 1.5 * still);
+  EXPECT_EQ(adapted({room(0), room(1.6)}, {claimed({kRight, turned()})})[0].contradicted, still)
+      << "a pose with a strong rival may be wrong";
+  EXPECT_EQ(adapted({room(0), room(1.6)}, {claimed({kRight, beside()})})[0].contradicted, moved)
       << "a rival that confirms next to nothing is not strong";
+}
+
+TEST(ConflictTolerance, FollowsTheMapsAndNotTheClaimsOfTheirMatch) {
+  const double moved = adapted({room(0), room(1.6)}, {claimed({kRight})})[0].contradicted;
+  EXPECT_EQ(adapted({room(0), room(1.6)}, {claimed({askew(), kRight})})[0].contradicted, moved);
+  PairMatch unsure = claimed({kRight});
+  unsure.alignment.evaluation.accepted = false;
+  EXPECT_EQ(adapted({room(0), room(1.6)}, {unsure})[0].contradicted, moved);
+}
+
+TEST(ConflictTolerance, IsThatOfThePlaceOfAMap) {
+  const std::vector<PreparedMap> rooms{room(0), room(1.6), room(0), room(0)};
+  const auto tolerance = adapted(rooms, {claimed({kRight}, 0, 1), claimed({kRight}, 2, 3)});
+  EXPECT_EQ(tolerance[0].contradicted, tolerance[1].contradicted);
+  EXPECT_GT(tolerance[1].contradicted, 1.5 * tolerance[2].contradicted)
+      << "nothing moved between rooms 2 and 3";
+}
+
+TEST(SureMatches, AreThoseThatTheMapsBearOut) {
+  const std::vector<RobotMap> maps{{"a", room(0)}, {"b", room(0)}};
+  PairMemory memory;
+  EvidenceOfMaps evidence(maps, Options(), memory);
+  EXPECT_TRUE(evidence.holds(claimed({kRight, beside()})));
+  EXPECT_FALSE(evidence.holds(claimed({askew()}))) << "the maps contradict each other there";
+  EXPECT_FALSE(evidence.holds(claimed({beside(), kRight}))) << "the maps fit better elsewhere";
+  evidence.setSureMatches({claimed({beside(), kRight})}, 0.9);
+  EXPECT_FALSE(evidence.isSure(0, 1, beside()));
+  evidence.setSureMatches({claimed({kRight, beside()})}, 0.9);
+  EXPECT_TRUE(evidence.isSure(0, 1, kRight));
 }
 
 }  // namespace
