@@ -47,7 +47,53 @@ double gateNearPose(const MapFeatures& a, const MapFeatures& b, const Registrati
                   std::max(params.voxel_level.final_gate, leastVoxelGate(a, b, params)));
 }
 
+/** Returns the best hypothesis that agrees better than what the registration reached, and from
+ * which no registration has begun. Null if there is none. */
+const RankedPose* nextToRegister(const std::vector<RankedPose>& hypotheses,
+                                 const std::vector<Eigen::Isometry3d>& begun,
+                                 const Eigen::Vector3d& middle, const PoseTolerance& tolerance) {
+  const auto is_next = [&](const RankedPose& h) {
+    return h.agreement > hypotheses.front().agreement &&
+           std::none_of(begun.begin(), begun.end(), [&](const Eigen::Isometry3d& T) {
+             return isSamePlace(h.T_a_b, T, middle, tolerance);
+           });
+  };
+  const auto next = std::find_if(hypotheses.begin(), hypotheses.end(), is_next);
+  return next == hypotheses.end() ? nullptr : &*next;
+}
+
 }  // namespace
+
+void registerRivals(const MapFeatures& a, const MapFeatures& b, const VoxelAssociation& association,
+                    const Eigen::Isometry3d& began, const Options& options, MatchResult& result,
+                    const OnIteration& on_iteration) {
+  const RegistrationParams& registration = options.registration;
+  const Eigen::Vector3d middle = meanOf(b.matched.voxels.centre);
+  std::vector<Eigen::Isometry3d> begun{began};
+  while (begun.size() < options.ranking.max_rivals) {
+    const RankedPose* rival =
+        nextToRegister(result.hypotheses, begun, middle, options.evaluation.tolerance);
+    if (!rival) return;
+    begun.push_back(rival->T_a_b);
+    MatchResult other;
+    other.T_a_b = rival->T_a_b;
+    other.iterations = result.iterations;
+    other.hypotheses = result.hypotheses;
+    const auto first = other.hypotheses.begin();
+    std::rotate(first, first + (rival - result.hypotheses.data()),
+                first + (rival - result.hypotheses.data()) + 1);
+    std::stable_sort(
+        first + 1, other.hypotheses.end(),
+        [](const RankedPose& g, const RankedPose& h) { return g.agreement > h.agreement; });
+    matchVoxels(a, b, association, gateNearPose(a, b, registration), registration,
+                options.evaluation.voxels, other, on_iteration);
+    compareWhatWasReached(a, b, association, comparisonOf(options), other);
+    if (other.hypotheses.front().agreement > result.hypotheses.front().agreement)
+      result = std::move(other);
+    else
+      result.iterations = std::move(other.iterations);
+  }
+}
 
 ComparisonParams comparisonOf(const Options& options) {
   return {options.registration, options.ranking, options.evaluation.tolerance, options.search.cell};
@@ -96,7 +142,8 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
 
   // 3. Registration of the best pose with all voxels. The covariances of its rivals are computed at
   // the same time: each of the two tasks has too little work for many threads.
-  result.T_a_b = result.hypotheses.front().T_a_b;
+  const Eigen::Isometry3d best = result.hypotheses.front().T_a_b;
+  result.T_a_b = best;
   tbb::parallel_invoke(
       [&] {
         forEachIndex(result.hypotheses.size(), 1, [&](size_t i) {
@@ -110,6 +157,7 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
                     options.evaluation.voxels, result, on_iteration);
       });
   compareWhatWasReached(a, b, association, comparison, result);
+  registerRivals(a, b, association, best, options, result, on_iteration);
   return result;
 }
 

@@ -20,14 +20,25 @@ namespace mrpt::fusion {
  * The starts are the guess after the edge level, and the best poses of searchAround(). Each start
  * is refined with some voxels; if the starts are many, first with fewer voxels. The pose with the
  * best agreement() goes through the voxel level. If the voxel level moves far from it, the final
- * pose is compared with the other hypotheses as well. Without a search (options.search.translation
- * = 0) this function is matchTwoLevel().
- * \param[in] a,b Features of the maps A and B.
- * \param[in] T_a_b The guess.
- * \param[in] options Parameters; `features` and `merge` are not used.
- * \param[in] on_iteration See matchTwoLevel(). */
+ * pose is compared with the other hypotheses as well, see registerRivals(). Without a search
+ * (options.search.translation = 0) this function is matchTwoLevel(). \param[in] a,b Features of the
+ * maps A and B. \param[in] T_a_b The guess. \param[in] options Parameters; `features` and `merge`
+ * are not used. \param[in] on_iteration See matchTwoLevel(). */
 MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
                       const Options& options, const OnIteration& on_iteration = {});
+
+/** Registers rivals of a match with all voxels, as long as a rival agrees better than what the
+ * registration has reached. The result is the reached pose that agrees best. A match that agrees
+ * better than its rivals stays as it is.
+ * \param[in] a,b Features of the maps A and B.
+ * \param[in] association See associationOf().
+ * \param[in] began Pose from which the registration of the match began.
+ * \param[in] options Parameters of the match; `ranking.max_rivals` limits the registrations.
+ * \param[in,out] result The match after compareWhatWasReached().
+ * \param[in] on_iteration See matchTwoLevel(). */
+void registerRivals(const MapFeatures& a, const MapFeatures& b, const VoxelAssociation& association,
+                    const Eigen::Isometry3d& began, const Options& options, MatchResult& result,
+                    const OnIteration& on_iteration = {});
 
 /** Returns the match at a given pose: its pairs and its covariance. */
 MatchResult matchAt(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,

@@ -72,6 +72,61 @@ void expectIdentical(const MatchResult& a, const MatchResult& b) {
   }
 }
 
+// ---------------------------------------------------------------- rivals of what was reached
+
+class Rivals : public Matching {
+ protected:
+  /** A match that reached \a T and has one rival, of which nothing else is known. */
+  static MatchResult reached(const Eigen::Isometry3d& T, double agreement,
+                             const Eigen::Isometry3d& rival, double of_rival) {
+    MatchResult result;
+    result.T_a_b = T;
+    for (const auto& [pose, value] : {std::pair(T, agreement), std::pair(rival, of_rival)})
+      result.hypotheses.push_back({pose, value, kUnknownVariance * Matrix6d::Identity()});
+    return result;
+  }
+  void registerFrom(const Eigen::Isometry3d& began, MatchResult& result) const {
+    registerRivals(maps().a, maps().b, association, began, params, result);
+  }
+
+  const VoxelAssociation association = associationOf(maps().a, maps().b, params.registration);
+  const Eigen::Isometry3d wrong = truth * poseOf(3, 1, 0, 25);
+  const Eigen::Isometry3d near_truth = truth * poseOf(0.1, -0.1, 0, 1);
+};
+
+TEST_F(Rivals, AreRegisteredIfTheyAgreeBetterThanWhatWasReached) {
+  MatchResult result = reached(wrong, 1, near_truth, 100);
+  registerFrom(truth * poseOf(5, 0, 0, 0), result);
+  EXPECT_LT(metresBetween(result.T_a_b, truth), 0.05);
+  EXPECT_TRUE(result.hasPairs());
+  EXPECT_FALSE(result.iterations.empty());
+  ASSERT_EQ(result.hypotheses.size(), 2U);
+  EXPECT_EQ(result.hypotheses[1].T_a_b.matrix(), wrong.matrix());
+  EXPECT_LT(result.runnerUp(), 1);
+}
+
+TEST_F(Rivals, AreNotRegisteredIfTheMatchAgreesBetter) {
+  MatchResult result = reached(wrong, 100, near_truth, 99);
+  registerFrom(wrong, result);
+  EXPECT_EQ(result.T_a_b.matrix(), wrong.matrix());
+  EXPECT_TRUE(result.iterations.empty());
+}
+
+TEST_F(Rivals, FromWhichTheRegistrationBeganAreNotRegisteredAgain) {
+  MatchResult result = reached(wrong, 1, near_truth, 100);
+  registerFrom(near_truth, result);
+  EXPECT_EQ(result.T_a_b.matrix(), wrong.matrix());
+  EXPECT_TRUE(result.iterations.empty());
+}
+
+TEST_F(Rivals, ThatLeadToAPoseThatAgreesLessChangeNothingButTheIterations) {
+  constexpr double kMoreThanVoxels = 1e9;
+  MatchResult result = reached(near_truth, kMoreThanVoxels, wrong, 2 * kMoreThanVoxels);
+  registerFrom(near_truth, result);
+  EXPECT_EQ(result.T_a_b.matrix(), near_truth.matrix());
+  EXPECT_FALSE(result.iterations.empty());
+}
+
 // ---------------------------------------------------------------- accuracy
 
 TEST_F(Matching, ComesBackToTheTruthFromGuessesOffByAMetreAndTenDegrees) {
