@@ -60,8 +60,8 @@ class TeamEvidence {
   virtual const PairEvidence& near(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const = 0;
   /** True if two poses of map \a b in one frame are the same place. */
   virtual bool isSame(size_t b, const Eigen::Isometry3d& T, const Eigen::Isometry3d& U) const = 0;
-  /** True if a match of maps a < b is sure by itself and places map \a b there. The verdict on the
-   * pair has weighed the conflicts that the maps have at this place. */
+  /** True if maps a < b alone are sure that map \a b is there: by their match, or because they fit
+   * nowhere else nearly as well. The conflicts that they have at this place are weighed already. */
   virtual bool isSure(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const = 0;
   /** Bounding box of a map in its frame, m. Maps whose boxes do not meet have no evidence. */
   virtual Eigen::AlignedBox3d box(size_t map) const = 0;

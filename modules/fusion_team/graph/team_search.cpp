@@ -4,10 +4,12 @@
 #include "fusion_team/graph/team_search.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <utility>
 
 #include "fusion_team/graph/configuration.h"
+#include "fusion_team/graph/other_places.h"
 #include "fusion_team/graph/scored_team.h"
 
 namespace mrpt::fusion {
@@ -15,9 +17,9 @@ namespace {
 
 using Eigen::Isometry3d;
 
-constexpr size_t kMostMoved = 32;       // configurations that moves of one map improve
-constexpr size_t kMostImproved = 16;    // configurations that moves of two maps improve
-constexpr double kWorthSettling = 0.8;  // least share of the best score, of a rival
+constexpr size_t kMostMoved = 32;     // configurations that moves of one map improve
+constexpr size_t kMostImproved = 16;  // configurations that moves of two maps improve
+constexpr size_t kMostTried = 8;      // other places of blocks that moves improve
 
 bool scoresBetter(const Configuration& g, const Configuration& h) { return g.score > h.score; }
 
@@ -54,15 +56,6 @@ std::vector<std::vector<size_t>> rigidGroups(const Configuration& best, const Co
     groups.push_back(std::move(largest));
   }
   return groups;
-}
-
-Configuration with(const Configuration& c, const std::vector<size_t>& maps,
-                   const TeamEvidence& evidence) {
-  Configuration some;
-  some.pose.resize(c.pose.size());
-  for (const size_t k : maps) some.pose[k] = c.pose[k];
-  some.score = scoreOf(some, evidence);
-  return some;
 }
 
 Configuration without(const Configuration& c, const std::vector<size_t>& maps,
@@ -120,59 +113,23 @@ void keepDistinct(std::vector<Configuration>& configurations, const TeamEvidence
   configurations = std::move(distinct);
 }
 
-/** Returns what maps that keep their shape gain by joining a team: the increase of the score, less
- * the score of these maps alone. A value of at most 0 is not exact.
- * \param[in] first,second The maps at their poses; the second may be missing. */
-double joiningGain(ScoredTeam& team, const Placement& first, const Placement* second,
-                   double alone) {
-  if (!second) return Addition(first.map, first.T, team).gain(team);
-  const Addition bound(second->map, second->T, team);
-  const double least = alone - bound.mostGain(team) - team.evidence().areaOf(first.map);
-  const double gain = Addition(first.map, first.T, team, least).gain(team);
-  if (gain <= least) return 0;
-  team.place(first.map, first.T);
-  const double more = Addition(second->map, second->T, team, alone - gain).gain(team);
-  team.remove(first.map);
-  return gain + more - alone;
-}
-
-/** Compares the best configuration with other places of one or two maps that keep their shape. */
-void compareWithOtherPlaces(const std::vector<size_t>& block, const TeamWays& ways,
-                            const TeamEvidence& evidence, TeamSearchResult& result) {
-  constexpr double kWorthwhile = 0.5;  // least gain over the gain of the place, of a rival
-  const auto& best = result.best.pose;
-  const auto in_block = [&](size_t k) {
-    return std::find(block.begin(), block.end(), k) != block.end();
-  };
-  ScoredTeam rest(result.best, evidence);
-  for (const size_t k : block) rest.remove(k);
-  const double alone = block.size() < 2 ? 0 : with(result.best, block, evidence).score;
-  const double gain = result.best.score - rest.score() - alone;
-  std::vector<Isometry3d> tried;
-  for (const size_t inside : block)
-    for (const size_t w : ways.of[inside]) {
-      const Way& way = ways.all[w];
-      const size_t outside = way.a == inside ? way.b : way.a;
-      if (in_block(outside) || !best[outside]) continue;
-      const Isometry3d T = *best[outside] * (way.a == inside ? way.T_a_b.inverse() : way.T_a_b);
-      if (evidence.isSame(inside, T, *best[inside])) continue;
-      const Isometry3d motion = T * best[inside]->inverse();
-      const Placement first{block.front(), motion * *best[block.front()]};
-      if (std::any_of(tried.begin(), tried.end(),
-                      [&](const Isometry3d& U) { return evidence.isSame(first.map, first.T, U); }))
-        continue;
-      tried.push_back(first.T);
-      const Placement second{block.back(), motion * *best[block.back()]};
-      const double gain_of_rival =
-          joiningGain(rest, first, block.size() < 2 ? nullptr : &second, alone);
-      if (gain_of_rival <= 0) continue;
-      Configuration rival = result.best;
-      for (const size_t k : block) rival.pose[k] = motion * *best[k];
-      rival.score = rest.score() + alone + gain_of_rival;
-      if (rival.score > kWorthSettling * result.best.score && gain_of_rival > kWorthwhile * gain)
-        settle(rival, evidence);
-      compareWith(rival, evidence, result);
-    }
+/** Improves the best of some rivals of a configuration. \return A configuration with a larger
+ * score, if there is one. */
+std::optional<Configuration> betterThan(const Configuration& best,
+                                        std::vector<Configuration> rivals, const TeamWays& ways,
+                                        const TeamEvidence& evidence) {
+  constexpr double kLeastGain = 1e-6;  // share of the score
+  keepDistinct(rivals, evidence);
+  for (size_t i = 0; i < std::min(kMostTried, rivals.size()); i++) {
+    Configuration& rival = rivals[i];
+    improve(rival, ways, evidence, Moves::OfOneMap);
+    settle(rival, evidence);
+    if (rival.score <= best.score * (1 + kLeastGain)) continue;
+    improve(rival, ways, evidence, Moves::OfOneOrTwo);
+    settle(rival, evidence);
+    return rival;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -208,16 +165,13 @@ TeamSearchResult searchTeam(const std::vector<Way>& all_ways, const TeamEvidence
     settle(grown[i], evidence);
   }
   result.best = *std::min_element(grown.begin(), grown.end(), scoresBetter);
-
-  for (const Configuration& rival : grown) compareWith(rival, evidence, result);
-  const size_t n = evidence.size();
-  for (size_t k = 0; k < n; k++)
-    if (result.best.pose[k]) compareWithOtherPlaces({k}, ways, evidence, result);
-  for (const Way& way : all_ways) {
-    const auto &T_a = result.best.pose[way.a], &T_b = result.best.pose[way.b];
-    if (T_a && T_b && evidence.isSame(way.b, *T_a * way.T_a_b, *T_b))
-      compareWithOtherPlaces({way.a, way.b}, ways, evidence, result);
+  std::vector<Configuration> rivals = otherPlaces(result.best, ways, evidence);
+  while (const auto better = betterThan(result.best, rivals, ways, evidence)) {
+    grown.push_back(std::exchange(result.best, *better));
+    rivals = otherPlaces(result.best, ways, evidence);
   }
+  for (const auto* others : {&grown, &rivals})
+    for (const Configuration& rival : *others) compareWith(rival, evidence, result);
   return result;
 }
 

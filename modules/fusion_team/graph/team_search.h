@@ -22,7 +22,7 @@ struct TeamSearchResult {
 
 /** Searches the best configuration: grows configurations from the best ways, improves all that
  * differ by moves of one map and the best of them by moves of two maps. Compares the result with
- * all others and with other places of each map and each linked pair of maps.
+ * all others and with other places of blocks of maps, see otherPlaces().
  *
  * \param[in] ways Hypotheses of all pairs. Maps without a hypothesis are not placed.
  * \param[in] evidence Evidence of all pairs.

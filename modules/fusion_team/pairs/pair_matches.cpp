@@ -156,9 +156,8 @@ void EvidenceOfMaps::adaptTolerance(const std::vector<PairMatch>& matches) {
 void EvidenceOfMaps::setSureMatches(const std::vector<PairMatch>& matches,
                                     double least_probability) {
   for (const PairMatch& m : matches) {
-    const Evaluation& verdict = m.alignment.evaluation;
-    if (verdict.probability >= least_probability && holds(m))
-      sure_[m.a][m.b - m.a - 1] = m.alignment.match.T_a_b;
+    const bool is_sure = m.alignment.evaluation.probability >= least_probability && holds(m);
+    sure_[m.a][m.b - m.a - 1] = is_sure ? std::optional(m.alignment.match.T_a_b) : clearPoseOf(m);
   }
 }
 

@@ -55,7 +55,8 @@ class EvidenceOfMaps : public TeamEvidence {
    * tolerance of a place where nothing moves is the least; a fixed share is the largest. People who
    * walk are obstacles in one map and free space in another. */
   void adaptTolerance(const std::vector<PairMatch>& matches);
-  /** Sets the sure matches: those that hold(), with at least a probability. See isSure(). */
+  /** Sets the sure poses, see isSure(): those of matches that hold() with at least a probability,
+   * and the clear poses of other pairs. */
   void setSureMatches(const std::vector<PairMatch>& matches, double least_probability);
 
  private:

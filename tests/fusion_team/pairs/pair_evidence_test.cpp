@@ -148,6 +148,7 @@ TEST(SureMatches, AreThoseThatTheMapsBearOut) {
   EXPECT_FALSE(evidence.holds(claimed({beside(), kRight}))) << "the maps fit better elsewhere";
   evidence.setSureMatches({claimed({beside(), kRight})}, 0.9);
   EXPECT_FALSE(evidence.isSure(0, 1, beside()));
+  EXPECT_TRUE(evidence.isSure(0, 1, kRight)) << "the clear pose of the maps";
   evidence.setSureMatches({claimed({kRight, beside()})}, 0.9);
   EXPECT_TRUE(evidence.isSure(0, 1, kRight));
 }
