@@ -60,8 +60,6 @@ class MapDiffs::Sent {
 
 MapDiffs::MapDiffs(const std::string& robot) : m_sent(std::make_unique<Sent>(robot)) {}
 MapDiffs::~MapDiffs() = default;
-MapDiffs::MapDiffs(MapDiffs&&) noexcept = default;
-MapDiffs& MapDiffs::operator=(MapDiffs&&) noexcept = default;
 
 CObservationMapDiff::Ptr MapDiffs::next(const octomap::OcTree& map) { return m_sent->next(map); }
 

@@ -103,8 +103,8 @@ class MRPT_FUSION_API MapDiffs {
   /** \param[in] robot Name of the robot. */
   explicit MapDiffs(const std::string& robot);
   ~MapDiffs();
-  MapDiffs(MapDiffs&&) noexcept;
-  MapDiffs& operator=(MapDiffs&&) noexcept;
+  MapDiffs(const MapDiffs&) = delete;
+  MapDiffs& operator=(const MapDiffs&) = delete;
 
   /** Returns what has changed since the last call. The first diff has the whole map. The timestamp
    * is the present time. Null if nothing has changed.
