@@ -24,6 +24,7 @@
 
 #include <cstdio>
 
+#include "mrpt_fusion_maps/recordings/crafted.h"
 #include "support/mrpt_tools.h"
 #include "support/observations.h"
 
@@ -37,14 +38,7 @@ using mrpt::serialization::CSerializable;
 
 namespace {
 
-using Objects = std::vector<CSerializable::Ptr>;
-
 mrpt::Clock::time_point at(double seconds) { return mrpt::Clock::fromDouble(1.6e9 + seconds); }
-
-CObservation::Ptr stamped(const CObservation::Ptr& obs, double seconds) {
-  obs->timestamp = at(seconds);
-  return obs;
-}
 
 CObservation::Ptr robotPose(double seconds, const CPose3D& pose) {
   auto obs = CObservationRobotPose::Create();
@@ -84,12 +78,6 @@ CSerializable::Ptr movement2D(const mrpt::poses::CPose2D& increment) {
   auto actions = CActionCollection::Create();
   actions->insert(action);
   return actions;
-}
-
-std::string bytesOf(const Objects& objects) {
-  std::string bytes;
-  for (const auto& o : objects) bytes += serialized(*o);
-  return bytes;
 }
 
 void writeGz(const std::string& path, const std::string& bytes) {
