@@ -70,11 +70,8 @@ class RawlogRecorder : public MissionRecorder {
  public:
   explicit RawlogRecorder(const std::string& path) : file_(path) {}
   void append(const mrpt::fusion::MapDiff& diff) override {
-    mrpt::obs::CObservationMapDiff observation;
-    observation.timestamp = mrpt::Clock::now();
-    mrpt::fusion::fill(observation, diff, mrpt::fusion::nameOf(diff.source));
     mrpt::io::CMemoryStream memory;
-    mrpt::serialization::archiveFrom(memory) << observation;
+    mrpt::serialization::archiveFrom(memory) << *mrpt::fusion::observationOf(diff);
     file_.append({static_cast<const char*>(memory.getRawBufferData()),
                   static_cast<size_t>(memory.getTotalBytesCount())});
   }

@@ -25,8 +25,8 @@ class LinkedTeam {
   /** \param[in] settings The robot and its link.
    * \param[in] journal Folder of the journal. Empty: without a journal.
    * \param[in] options Parameters of all stages. Nothing: the robot only sends its map. It asks
-   * others for outlines at most, and does not fuse. \exception std::runtime_error If the link
-   * cannot be opened, or see TeamExchange. */
+   * others for outlines at most, and does not fuse.
+   * \exception std::runtime_error If the link cannot be opened, or see TeamExchange. */
   LinkedTeam(const DdsSettings& settings, const std::string& journal,
              const std::optional<Options>& options);
 

@@ -5,7 +5,6 @@
 #include <mrpt/obs/CObservationLocalMap.h>
 #include <mrpt/serialization/CArchive.h>
 
-#include <algorithm>
 #include <ostream>
 
 #include "fusion_base/printable.h"
@@ -34,10 +33,9 @@ std::string readBlobUpTo(mrpt::serialization::CArchive& in, size_t most) {
 /** Takes what small input unpacks to from the budget of a file.
  * \param[in] count Number of nodes or blocks. \param[in] bytes Bytes that hold them. */
 void charge(size_t count, size_t bytes, ReadingBudget& budget) {
-  const size_t in_proportion = ReadingBudget::kNodesPerByte * bytes;
-  if (count > budget.nodes + in_proportion)
+  if (count > budget.mostNodes(bytes))
     THROW_EXCEPTION("CObservationMapDiff: corrupt stream: it has too many nodes for its size");
-  budget.nodes -= std::max(count, in_proportion) - in_proportion;
+  budget.take(count, bytes);
 }
 
 CObservationMapDiff::Block readBlock(GuardedArchive& in) {

@@ -4,8 +4,6 @@
 
 #include "mrpt_fusion_maps/map_diffs.h"
 
-#include <mrpt/core/Clock.h>
-
 #include <memory>
 #include <random>
 #include <utility>
@@ -46,11 +44,7 @@ class MapDiffs::Sent {
     for (const Sample& sample : map_.update(std::make_shared<const octomap::OcTree>(map)))
       if (sample.key.kind != SampleKind::Outline) replica_.add(sample);
     const auto diff = diffSince(replica_, before);
-    if (!diff) return nullptr;
-    auto result = CObservationMapDiff::Create();
-    result->timestamp = mrpt::Clock::now();
-    fill(*result, *diff, diff->source.robot);
-    return result;
+    return diff ? observationOf(*diff) : nullptr;
   }
 
  private:

@@ -80,21 +80,28 @@ TEST(Files, AReplacedFileKeepsItsRights) {
   }
 }
 
+/** Returns the error of a function that writes to a full disk. A limit on the size of files stands
+ * for it: part of the data is written, then no more. */
+std::string errorOnAFullDisk(const std::function<void()>& write) {
+  rlimit old_limit{};
+  EXPECT_EQ(0, ::getrlimit(RLIMIT_FSIZE, &old_limit));
+  rlimit limit = old_limit;
+  limit.rlim_cur = 1000;
+  auto* const old_handler = ::signal(SIGXFSZ, SIG_IGN);
+  EXPECT_EQ(0, ::setrlimit(RLIMIT_FSIZE, &limit));
+  const std::string error = errorOf(write);
+  EXPECT_EQ(0, ::setrlimit(RLIMIT_FSIZE, &old_limit));
+  ::signal(SIGXFSZ, old_handler);
+  return error;
+}
+
 TEST(Files, AFailedWriteKeepsTheOldFileAndLeavesNoOther) {
   const TempDir dir;
   const std::string path = dir.path("map.ot");
   writeFileAtomically(path, "the old map");
 
-  // A limit on the size of files stands for a full disk: part of the data is written, then no more.
-  rlimit old_limit{};
-  ASSERT_EQ(0, ::getrlimit(RLIMIT_FSIZE, &old_limit));
-  rlimit limit = old_limit;
-  limit.rlim_cur = 1000;
-  auto* const old_handler = ::signal(SIGXFSZ, SIG_IGN);
-  ASSERT_EQ(0, ::setrlimit(RLIMIT_FSIZE, &limit));
-  const std::string error = errorOf([&] { writeFileAtomically(path, std::string(5000, 'n')); });
-  ASSERT_EQ(0, ::setrlimit(RLIMIT_FSIZE, &old_limit));
-  ::signal(SIGXFSZ, old_handler);
+  const std::string error =
+      errorOnAFullDisk([&] { writeFileAtomically(path, std::string(5000, 'n')); });
 
   EXPECT_EQ(0U, error.find(path + ": ")) << error;
   EXPECT_EQ("the old map", readRaw(path));
@@ -111,15 +118,7 @@ TEST(Files, AppendedBytesAreWholeOrNotThere) {
     EXPECT_EQ("onetwo", readRaw(path));
   }
   mrpt::fusion::FileAppender file(path);
-  rlimit old_limit{};
-  ASSERT_EQ(0, ::getrlimit(RLIMIT_FSIZE, &old_limit));
-  rlimit limit = old_limit;
-  limit.rlim_cur = 1000;
-  auto* const old_handler = ::signal(SIGXFSZ, SIG_IGN);
-  ASSERT_EQ(0, ::setrlimit(RLIMIT_FSIZE, &limit));
-  const std::string error = errorOf([&] { file.append(std::string(5000, 'n')); });
-  ASSERT_EQ(0, ::setrlimit(RLIMIT_FSIZE, &old_limit));
-  ::signal(SIGXFSZ, old_handler);
+  const std::string error = errorOnAFullDisk([&] { file.append(std::string(5000, 'n')); });
   EXPECT_EQ(0U, error.find(path + ": ")) << error;
   EXPECT_EQ("onetwo", readRaw(path));
   file.append("three");

@@ -10,6 +10,7 @@
 
 #include "fusion_octree/files.h"
 #include "mrpt_programs.h"
+#include "support/icp_slam.h"
 #include "support/keyframes.h"
 
 using namespace mrpt::maps;
@@ -144,42 +145,8 @@ TEST_F(Mapping, OnlyOurMapComesBackFromAStreamAsItWent) {
 }
 
 TEST_F(Mapping, IcpSlamBuildsOurMapBesideTheOneItMatchesWith) {
-  writeFile(dir_ / "slam.ini", R"(
-[ICP]
-maxIterations = 100
-thresholdDist = 0.3
-thresholdAng_DEG = 15
-ALFA = 0.5
-smallestThresholdDist = 0.05
-ICP_algorithm = icpClassic
-corresponding_points_decimation = 1
-[MappingApplication]
-rawlog_offset = 0
-logOutput_dir = log
-LOG_FREQUENCY = 1000
-SAVE_3D_SCENE = false
-SAVE_POSE_LOG = false
-CAMERA_3DSCENE_FOLLOWS_ROBOT = false
-SHOW_PROGRESS_3D_REAL_TIME = false
-SHOW_PROGRESS_3D_REAL_TIME_DELAY_MS = 0
-SHOW_LASER_SCANS_3D = false
-localizationLinDistance = 0.1
-localizationAngDistance = 5
-insertionLinDistance = 1.0
-insertionAngDistance = 15.0
-minICPgoodnessToAccept = 0.2
-matchAgainstTheGrid = false
-pointsMap_count = 1
-probOctoMap_count = 1
-[MappingApplication_pointsMap_00_insertOpts]
-minDistBetweenLaserPoints = 0.05
-[MappingApplication_probOctoMap_00_creationOpts]
-resolution = 0.2
-)");
-  // MRPT's recording of a laser scanner on a round of a real building.
-  const auto r = runWithPlugin(
-      "icp-slam slam.ini"
-      " '/usr/share/mrpt/datasets/2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog'");
+  writeFile(dir_ / "slam.ini", kIcpSlamSettings);
+  const auto r = runWithPlugin("icp-slam slam.ini " + kRoundOfABuilding);
   ASSERT_EQ(r.code, 0) << r.out << r.err;
   const CProbOctoMap map = loaded(dir_ / "log/_finalmaps_.txt_mrpt__maps__CProbOctoMap_01.ot");
   EXPECT_GT(occupiedKeys(map.octree()).size(), 1000U);

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "apps/run.h"
+#include "support/icp_slam.h"
 
 namespace {
 
@@ -235,46 +236,14 @@ TEST_F(Join, AProgramJoinsThroughTheClassOfTheTeam) {
 
 TEST_F(Join, AProgramOfMrptSendsItsMapWhenItsSettingsAskForIt) {
   if (!connect(2)) GTEST_SKIP() << reason_;
-  // The settings of a laser scanner, see tests/installed/mapping_test.cpp.
-  writeFile(dir_ / "slam.ini", R"([ICP]
-maxIterations = 100
-thresholdDist = 0.3
-thresholdAng_DEG = 15
-ALFA = 0.5
-smallestThresholdDist = 0.05
-ICP_algorithm = icpClassic
-corresponding_points_decimation = 1
-[MappingApplication]
-rawlog_offset = 0
-logOutput_dir = log
-LOG_FREQUENCY = 1000
-SAVE_3D_SCENE = false
-SAVE_POSE_LOG = false
-CAMERA_3DSCENE_FOLLOWS_ROBOT = false
-SHOW_PROGRESS_3D_REAL_TIME = false
-SHOW_PROGRESS_3D_REAL_TIME_DELAY_MS = 0
-SHOW_LASER_SCANS_3D = false
-localizationLinDistance = 0.1
-localizationAngDistance = 5
-insertionLinDistance = 1.0
-insertionAngDistance = 15.0
-minICPgoodnessToAccept = 0.2
-matchAgainstTheGrid = false
-pointsMap_count = 1
-probOctoMap_count = 1
-[MappingApplication_pointsMap_00_insertOpts]
-minDistBetweenLaserPoints = 0.05
-[MappingApplication_probOctoMap_00_creationOpts]
-resolution = 0.2
-[MappingApplication_probOctoMap_00_linkOpts]
+  writeFile(dir_ / "slam.ini", kIcpSlamSettings + R"([MappingApplication_probOctoMap_00_linkOpts]
 robot = slam
 domain = 7
 )");
   runAs(2, MAP_FUSION " join --robot base --domain 7 --record slam.rawlog");
-  const auto slam = run("ip netns exec " + prefix() +
-                        "1 env LD_PRELOAD=" FUSION_LIBRARY
-                        " icp-slam slam.ini '/usr/share/mrpt/datasets/"
-                        "2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog'");
+  const auto slam =
+      run("ip netns exec " + prefix() + "1 env LD_PRELOAD=" FUSION_LIBRARY " icp-slam slam.ini " +
+          kRoundOfABuilding);
   ASSERT_EQ(slam.code, 0) << slam.out << slam.err;
   const std::string map = readFile(dir_ / "log/_finalmaps_.txt_mrpt__maps__CProbOctoMap_01.ot");
   const auto has_all = [&] {

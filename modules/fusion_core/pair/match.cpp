@@ -47,19 +47,19 @@ double gateNearPose(const MapFeatures& a, const MapFeatures& b, const Registrati
                   std::max(params.voxel_level.final_gate, leastVoxelGate(a, b, params)));
 }
 
-/** Returns the best hypothesis that agrees better than what the registration reached, and from
- * which no registration has begun. Null if there is none. */
-const RankedPose* nextToRegister(const std::vector<RankedPose>& hypotheses,
-                                 const std::vector<Eigen::Isometry3d>& begun,
-                                 const Eigen::Vector3d& middle, const PoseTolerance& tolerance) {
+/** Returns the number of the best hypothesis that agrees better than what the registration reached,
+ * and from which no registration has begun; the number of all hypotheses if there is none. */
+size_t nextToRegister(const std::vector<RankedPose>& hypotheses,
+                      const std::vector<Eigen::Isometry3d>& begun, const Eigen::Vector3d& middle,
+                      const PoseTolerance& tolerance) {
   const auto is_next = [&](const RankedPose& h) {
     return h.agreement > hypotheses.front().agreement &&
            std::none_of(begun.begin(), begun.end(), [&](const Eigen::Isometry3d& T) {
              return isSamePlace(h.T_a_b, T, middle, tolerance);
            });
   };
-  const auto next = std::find_if(hypotheses.begin(), hypotheses.end(), is_next);
-  return next == hypotheses.end() ? nullptr : &*next;
+  return static_cast<size_t>(std::find_if(hypotheses.begin(), hypotheses.end(), is_next) -
+                             hypotheses.begin());
 }
 
 }  // namespace
@@ -71,20 +71,15 @@ void registerRivals(const MapFeatures& a, const MapFeatures& b, const VoxelAssoc
   const Eigen::Vector3d middle = meanOf(b.matched.voxels.centre);
   std::vector<Eigen::Isometry3d> begun{began};
   while (begun.size() < options.ranking.max_rivals) {
-    const RankedPose* rival =
+    const size_t rival =
         nextToRegister(result.hypotheses, begun, middle, options.evaluation.tolerance);
-    if (!rival) return;
-    begun.push_back(rival->T_a_b);
+    if (rival == result.hypotheses.size()) return;
     MatchResult other;
-    other.T_a_b = rival->T_a_b;
+    other.T_a_b = result.hypotheses[rival].T_a_b;
     other.iterations = result.iterations;
     other.hypotheses = result.hypotheses;
-    const auto first = other.hypotheses.begin();
-    std::rotate(first, first + (rival - result.hypotheses.data()),
-                first + (rival - result.hypotheses.data()) + 1);
-    std::stable_sort(
-        first + 1, other.hypotheses.end(),
-        [](const RankedPose& g, const RankedPose& h) { return g.agreement > h.agreement; });
+    makeFirst(rival, other.hypotheses);
+    begun.push_back(other.T_a_b);
     matchVoxels(a, b, association, gateNearPose(a, b, registration), registration,
                 options.evaluation.voxels, other, on_iteration);
     compareWhatWasReached(a, b, association, comparisonOf(options), other);

@@ -20,10 +20,13 @@ namespace mrpt::fusion {
  * The starts are the guess after the edge level, and the best poses of searchAround(). Each start
  * is refined with some voxels; if the starts are many, first with fewer voxels. The pose with the
  * best agreement() goes through the voxel level. If the voxel level moves far from it, the final
- * pose is compared with the other hypotheses as well, see registerRivals(). Without a search
- * (options.search.translation = 0) this function is matchTwoLevel(). \param[in] a,b Features of the
- * maps A and B. \param[in] T_a_b The guess. \param[in] options Parameters; `features` and `merge`
- * are not used. \param[in] on_iteration See matchTwoLevel(). */
+ * pose is compared with the other hypotheses as well, see registerRivals().
+ *
+ * Without a search (options.search.translation = 0) this function is matchTwoLevel().
+ * \param[in] a,b Features of the maps A and B.
+ * \param[in] T_a_b The guess.
+ * \param[in] options Parameters; `features` and `merge` are not used.
+ * \param[in] on_iteration See matchTwoLevel(). */
 MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
                       const Options& options, const OnIteration& on_iteration = {});
 

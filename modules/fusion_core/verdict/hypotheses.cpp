@@ -6,6 +6,7 @@
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <optional>
 #include <utility>
 
@@ -146,6 +147,13 @@ void compareWhatWasReached(const MapFeatures& a, const MapFeatures& b,
   });
   std::stable_sort(compared.begin() + 1, compared.end(), agreesBetter);
   result.hypotheses = std::move(compared);
+}
+
+void makeFirst(size_t i, std::vector<RankedPose>& hypotheses) {
+  const auto first = hypotheses.begin();
+  const auto chosen = first + static_cast<std::ptrdiff_t>(i);
+  std::rotate(first, chosen, chosen + 1);
+  std::stable_sort(first + 1, hypotheses.end(), agreesBetter);
 }
 
 void addRival(const MapFeatures& b, RankedPose rival, double ratio, const PoseTolerance& tolerance,

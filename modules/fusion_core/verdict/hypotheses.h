@@ -98,6 +98,9 @@ void compareWhatWasReached(const MapFeatures& a, const MapFeatures& b,
                            const VoxelAssociation& association, const ComparisonParams& params,
                            MatchResult& result);
 
+/** Makes a hypothesis the first. The others follow it, best agreement first. */
+void makeFirst(size_t i, std::vector<RankedPose>& hypotheses);
+
 /** Adds a rival to the hypotheses of a match, unless they hold its place with a larger agreement.
  * \param[in] b Features of map B.
  * \param[in] rival The rival; its agreement is not used.

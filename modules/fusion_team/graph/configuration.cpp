@@ -232,6 +232,15 @@ double scoreOf(const Configuration& c, const TeamEvidence& evidence) {
   return ScoredTeam(c, evidence).score();
 }
 
+Configuration with(const Configuration& c, const std::vector<size_t>& maps,
+                   const TeamEvidence& evidence) {
+  Configuration some;
+  some.pose.resize(c.pose.size());
+  for (const size_t k : maps) some.pose[k] = c.pose[k];
+  some.score = scoreOf(some, evidence);
+  return some;
+}
+
 Configuration pairOf(const Way& way, const TeamEvidence& evidence) {
   Configuration c;
   c.pose.resize(evidence.size());

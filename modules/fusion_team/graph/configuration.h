@@ -31,6 +31,10 @@ TeamAreas areasOf(size_t k, const ScoredTeam& team);
  * surface as often as maps see it. */
 double scoreOf(const Configuration& c, const TeamEvidence& evidence);
 
+/** Returns the poses of some maps of a configuration, with their score. */
+Configuration with(const Configuration& c, const std::vector<size_t>& maps,
+                   const TeamEvidence& evidence);
+
 /** Returns the configuration of the two maps of a way, in the frame of map A. */
 Configuration pairOf(const Way& way, const TeamEvidence& evidence);
 

@@ -72,6 +72,7 @@ std::vector<Edge> strongestTree(const ScoredTeam& team) {
   std::iota(piece.begin(), piece.end(), 0);
   for (const Edge& e : edges) {
     if (piece[e.a] == piece[e.b]) continue;
+    // By value: the elements themselves change.
     std::replace(piece.begin(), piece.end(), size_t(piece[e.a]), size_t(piece[e.b]));
     tree.push_back(e);
   }
@@ -125,9 +126,10 @@ void addOtherPlaces(const Block& block, const Configuration& c, const TeamWays& 
   };
   const EvidenceBeforeSettling before_settling(evidence);
   ScoredTeam rest(c, before_settling);
+  const double whole = rest.score();
   for (const size_t k : block) rest.remove(k);
   const double alone = with(c, block, before_settling).score;
-  const double gain = scoreOf(c, before_settling) - rest.score() - alone;
+  const double gain = whole - rest.score() - alone;
   std::vector<Isometry3d> tried;
   for (const size_t inside : block)
     for (const size_t w : ways.of[inside]) {
@@ -159,15 +161,6 @@ void addOtherPlaces(const Block& block, const Configuration& c, const TeamWays& 
 }
 
 }  // namespace
-
-Configuration with(const Configuration& c, const std::vector<size_t>& maps,
-                   const TeamEvidence& evidence) {
-  Configuration some;
-  some.pose.resize(c.pose.size());
-  for (const size_t k : maps) some.pose[k] = c.pose[k];
-  some.score = scoreOf(some, evidence);
-  return some;
-}
 
 std::vector<std::vector<size_t>> blocksOf(const Configuration& c, const TeamEvidence& evidence) {
   constexpr size_t kMostPerMap = 4;

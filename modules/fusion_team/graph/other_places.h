@@ -10,10 +10,6 @@
 
 namespace mrpt::fusion {
 
-/** Returns the poses of some maps of a configuration, with their score. */
-Configuration with(const Configuration& c, const std::vector<size_t>& maps,
-                   const TeamEvidence& evidence);
-
 /** Returns blocks of the placed maps of a configuration that may be misplaced together: each map,
  * and what is left in one piece if one or two links are cut from the tree of the strongest links.
  * Of a large team these are the blocks with the weakest links, 4 for each map. A block has at most

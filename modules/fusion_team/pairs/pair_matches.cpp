@@ -135,6 +135,7 @@ void EvidenceOfMaps::adaptTolerance(const std::vector<PairMatch>& matches) {
     const auto T = clearPoseOf(m);
     if (!T) continue;
     clear.emplace_back(m.a, &near(m.a, m.b, *T));
+    // By value: the elements themselves change.
     std::replace(place.begin(), place.end(), size_t(place[m.b]), size_t(place[m.a]));
   }
   std::vector<Shares> of_place(size());

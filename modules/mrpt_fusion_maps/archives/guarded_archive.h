@@ -4,6 +4,7 @@
 #include <mrpt/io/CStream.h>
 #include <mrpt/serialization/CArchive.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -25,6 +26,13 @@ struct ReadingBudget {
   static constexpr uint64_t kMostEdgePairs = 2'000'000'000;
   /** Number of nodes per compressed byte. Maps of buildings have 3, synthetic maps up to 100. */
   static constexpr size_t kNodesPerByte = 128;
+
+  /** Returns the largest number of nodes that so many compressed bytes may unpack to. */
+  size_t mostNodes(size_t bytes) const { return nodes + kNodesPerByte * bytes; }
+  /** Takes the nodes that compressed bytes have unpacked to. There are at most mostNodes(). */
+  void take(size_t unpacked, size_t bytes) {
+    nodes -= std::max(unpacked, kNodesPerByte * bytes) - kNodesPerByte * bytes;
+  }
 };
 
 /** The end of reading: the file ends early, or asks for more than it may. It is a std::bad_alloc

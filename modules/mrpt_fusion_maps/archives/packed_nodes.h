@@ -18,9 +18,8 @@ namespace mrpt::fusion {
 /** Fills an empty octree from the bytes of compressNodes(). Takes the nodes from the budget.
  * \exception std::exception As decompressNodes(). */
 inline void unpackNodes(const std::string& packed, ReadingBudget& budget, octomap::OcTree& tree) {
-  const size_t in_proportion = ReadingBudget::kNodesPerByte * packed.size();
-  decompressNodes(packed, tree, std::min(kMostCompressedNodes, budget.nodes + in_proportion));
-  budget.nodes -= std::max(tree.size(), in_proportion) - in_proportion;
+  decompressNodes(packed, tree, std::min(kMostCompressedNodes, budget.mostNodes(packed.size())));
+  budget.take(tree.size(), packed.size());
 }
 
 /** Reads the bytes of compressNodes() as a blob and fills an empty octree, see unpackNodes().

@@ -206,6 +206,14 @@ TEST_F(Hypotheses, APoseThatAllVoxelsMovedLittleIsNotComparedAgain) {
   EXPECT_EQ(result.hypotheses[1].agreement, 90);
 }
 
+TEST_F(Hypotheses, TheChosenHypothesisIsFollowedByTheOthersBestFirst) {
+  std::vector<RankedPose> hypotheses = {ranked(wrong, 1), ranked(truth, 3), ranked(wrong, 2)};
+  makeFirst(2, hypotheses);
+  EXPECT_EQ(hypotheses[0].agreement, 2);
+  EXPECT_EQ(hypotheses[1].agreement, 3);
+  EXPECT_EQ(hypotheses[2].agreement, 1);
+}
+
 // ---------------------------------------------------------------- a pose elsewhere
 
 TEST_F(Hypotheses, AMuchBetterPoseElsewhereBecomesTheSecond) {

@@ -8,18 +8,13 @@
 #include <algorithm>
 #include <vector>
 
+#include "fusion_team/graph/flat_team.h"
 #include "fusion_team/graph/team_search.h"
 
 namespace mrpt::fusion::test::other_places_test {
 namespace {
 
 using Eigen::Isometry3d;
-
-Isometry3d at(double x, double y) {
-  Isometry3d T = Isometry3d::Identity();
-  T.translate(Eigen::Vector3d(x, y, 0));
-  return T;
-}
 
 /** Six maps in a row, 10 m apart. Neighbours confirm each other. Up to 0.6 m beside the right pose
  * some of their obstacles are displaced. Map 3 also fits beside map 2, but less well. */

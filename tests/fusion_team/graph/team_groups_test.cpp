@@ -8,22 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "fusion_team/graph/flat_team.h"
 #include "fusion_team/graph/team_search.h"
 
 namespace mrpt::fusion::test::team_groups_test {
 namespace {
 
 using Eigen::Isometry3d;
-
-Isometry3d at(double x, double y) {
-  Isometry3d T = Isometry3d::Identity();
-  T.translate(Eigen::Vector3d(x, y, 0));
-  return T;
-}
-
-Eigen::AlignedBox3d everywhere() {
-  return {Eigen::Vector3d::Constant(-1e3), Eigen::Vector3d::Constant(1e3)};
-}
 
 /** Maps 0 and 1 are of one place, maps 3 and 4 of another. Map 2 is a stranger: it confirms a part
  * of map 0 at a place where it contradicts map 1. */

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "fusion_team/graph/flat_team.h"
 #include "fusion_team/graph/joint_verdict.h"
 #include "fusion_team/graph/pose_graph.h"
 
@@ -18,17 +19,6 @@ namespace mrpt::fusion::test::team_search_test {
 namespace {
 
 using Eigen::Isometry3d;
-
-Isometry3d at(double x, double y, double yaw = 0) {
-  Isometry3d T = Isometry3d::Identity();
-  T.translate(Eigen::Vector3d(x, y, 0));
-  T.rotate(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
-  return T;
-}
-
-Eigen::AlignedBox3d everywhere() {
-  return {Eigen::Vector3d::Constant(-1e3), Eigen::Vector3d::Constant(1e3)};
-}
 
 /** Four maps on a square of 10 m. Neighbours confirm 32 of 64 obstacles of each other at the right
  * pose; at any other pose at which they meet, 16 obstacles lie in free space. Diagonal maps do not
