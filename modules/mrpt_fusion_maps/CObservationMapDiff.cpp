@@ -31,12 +31,15 @@ std::string readBlobUpTo(mrpt::serialization::CArchive& in, size_t most) {
 }
 
 /** Takes what small input unpacks to from the budget of a file.
- * \param[in] count Number of nodes or blocks. \param[in] bytes Bytes that hold them. */
+ * \param[in] count Number of nodes, or of entries of an index. \param[in] bytes Bytes that hold
+ * them. */
 void charge(size_t count, size_t bytes, ReadingBudget& budget) {
   if (count > budget.mostNodes(bytes))
     THROW_EXCEPTION("CObservationMapDiff: corrupt stream: it has too many nodes for its size");
   budget.take(count, bytes);
 }
+
+size_t entriesOf(const MapIndex& index) { return index.blocks.size() + index.trunk.values.size(); }
 
 CObservationMapDiff::Block readBlock(GuardedArchive& in) {
   CObservationMapDiff::Block block;
@@ -71,7 +74,7 @@ void CObservationMapDiff::serializeFrom(mrpt::serialization::CArchive& in, uint8
   read.sensorLabel = readBlob(guarded);
   guarded >> read.version;
   read.index = readBlobUpTo(guarded, kMostIndexBytes);
-  charge(indexOf(read.index).blocks.size(), read.index.size(), guarded.budget());
+  charge(entriesOf(indexOf(read.index)), read.index.size(), guarded.budget());
   const auto count = guarded.ReadAs<uint64_t>();
   if (count > kMostBlocks) THROW_EXCEPTION("CObservationMapDiff: corrupt stream: too many blocks");
   for (uint64_t i = 0; i < count; i++) read.blocks.push_back(readBlock(guarded));

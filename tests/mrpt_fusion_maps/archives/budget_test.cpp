@@ -9,6 +9,7 @@
 
 #include <thread>
 
+#include "fusion_link/map_index.h"
 #include "mrpt_fusion_maps/archives/crafted.h"
 #include "mrpt_fusion_maps/archives/packed_nodes.h"
 #include "mrpt_fusion_maps/edge_cost.h"
@@ -100,6 +101,30 @@ TEST(ReadingBudgetNodes, OfOneMissionAreBounded) {
   EXPECT_NE(
       errorOf([&] { mrpt::fusion::loadLocalMaps(dir.path("mission")); }).find("too many nodes"),
       std::string::npos);
+}
+
+TEST(ReadingBudgetNodes, AreAlsoTheEntriesOfTheIndicesOfDiffs) {
+  const TempDir dir;
+  mrpt::fusion::MapIndex index;
+  index.version = 1;
+  index.hash = mrpt::fusion::hashOf({});
+  index.trunk.resolution = 0.1;
+  index.trunk.values.resize(16 * mrpt::fusion::kMostBlocks);
+  mrpt::obs::CObservationMapDiff diff;
+  diff.version = index.version;
+  diff.index = toBytes(index);
+  ASSERT_LT(ReadingBudget::kNodesPerByte * diff.index.size(), index.trunk.values.size() / 2);
+  const auto errorOfRobots = [&](int robots) {
+    std::string bytes;
+    for (int i = 0; i < robots; i++) {
+      diff.sensorLabel = "robot" + std::to_string(i);
+      bytes += serialized(diff);
+    }
+    writeRaw(dir.path("mission"), bytes);
+    return errorOf([&] { mrpt::fusion::loadLocalMaps(dir.path("mission")); });
+  };
+  EXPECT_EQ(errorOfRobots(3), "");
+  EXPECT_NE(errorOfRobots(10).find("too many nodes"), std::string::npos);
 }
 
 // ---------------------------------------------------------------- covariances of edges
