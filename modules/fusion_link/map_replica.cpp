@@ -22,6 +22,18 @@ size_t costOf(const std::string& bytes) { return kEntryBytes + bytes.size(); }
 }  // namespace
 
 bool MapReplica::add(const Sample& sample) {
+  if (!take(sample)) return false;
+  finish();
+  return true;
+}
+
+void MapReplica::add(const std::vector<Sample>& samples) {
+  for (const Sample& sample : samples) take(sample);
+  finish();
+}
+
+/** Adds a sample of the map, without a look at the map as a whole. */
+bool MapReplica::take(const Sample& sample) {
   if (sample.version == 0 || sample.version > kMostVersion)
     corrupt("a sample has a version that is out of range");
   if (sample.bytes.size() > kMostSampleBytes) corrupt("a sample is too large");
@@ -40,10 +52,8 @@ bool MapReplica::add(const Sample& sample) {
     default:
       corrupt("a sample is of another kind");
   }
-  if (!is_new) return false;
-  highest_version_ = std::max(highest_version_, sample.version);
-  finish();
-  return true;
+  if (is_new) highest_version_ = std::max(highest_version_, sample.version);
+  return is_new;
 }
 
 bool MapReplica::addBlock(const Sample& sample) {

@@ -35,6 +35,9 @@ class MapReplica {
    * \return False if a sample of the same key is as new: nothing changed.
    * \exception std::runtime_error If the sample is damaged or too much: nothing changed. */
   bool add(const Sample& sample);
+  /** Adds samples that come together. Whether the map is whole is found out once, at their end.
+   * \exception std::runtime_error As of the first of them that is not added. */
+  void add(const std::vector<Sample>& samples);
 
   const SourceName& source() const { return source_; }  ///< Name of the map
   /** Returns the newest index that has arrived. */
@@ -63,6 +66,7 @@ class MapReplica {
     BlockBytes bytes;
   };
 
+  bool take(const Sample& sample);
   bool addBlock(const Sample& sample);
   bool addIndex(const Sample& sample);
   void update(BlockCode code);

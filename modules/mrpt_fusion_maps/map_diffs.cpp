@@ -24,10 +24,10 @@ void addDiff(const CObservationMapDiff& diff, MapReplica& map) {
   const bool is_whole = indexOf(diff.index).blocks.size() == diff.blocks.size();
   MapReplica result = is_whole ? emptyReplicaOf(diff) : map;
   const SourceName& source = map.source();
-  for (const Sample& piece : cutIntoPieces(source, SampleKind::Index, diff.version, diff.index))
-    result.add(piece);
+  auto samples = cutIntoPieces(source, SampleKind::Index, diff.version, diff.index);
   for (const auto& block : diff.blocks)
-    result.add({{source, SampleKind::Block, block.cube}, block.version, block.nodes});
+    samples.push_back({{source, SampleKind::Block, block.cube}, block.version, block.nodes});
+  result.add(samples);
   if (result.missing().empty() && result.completeVersion() == 0)
     corrupt("a diff of a map is corrupt: its blocks are not those of its index");
   map = std::move(result);

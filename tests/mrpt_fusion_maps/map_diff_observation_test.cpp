@@ -6,6 +6,10 @@
 #include <mrpt/obs/CObservationLocalMap.h>
 #include <mrpt/rtti/CObject.h>
 
+#include <ctime>
+
+#include "fusion_link/map_index.h"
+#include "fusion_octree/compression.h"
 #include "mrpt_fusion_maps/recordings/crafted.h"
 #include "support/mrpt_tools.h"
 #include "support/test_maps.h"
@@ -57,7 +61,7 @@ CObservationMapDiff::Ptr afterStream(const CObservationMapDiff& diff) {
 class MapDiffMission : public ::testing::Test {
  protected:
   std::string write(const std::string& name, const Objects& objects) const {
-    writeRaw(dir_.path(name), bytesOf(objects));
+    writeRaw(dir_.path(name), map_tests::bytesOf(objects));
     return dir_.path(name);
   }
   TempDir dir_;
@@ -151,6 +155,30 @@ TEST(MapDiffObservation, WithBlocksOfAnotherMapThrowsAndTheMapStays) {
   map.insertObservation(*diff);
   EXPECT_NE(errorOf([&] { map.insertObservation(wrong); }).find("corrupt"), std::string::npos);
   EXPECT_TRUE(sameTree(map.octree(), *sceneTree(0.1, 1)));
+}
+
+TEST(MapDiffObservation, WithBlocksThatItsIndexDoesNotNameCostsAboutTheTimeOfItsReading) {
+  constexpr size_t kBlocks = 10000;
+  octomap::OcTree voxel(0.1);
+  const std::string nodes =
+      compressNodes(*OcTreeAccess::createRoot(voxel), OcTreeCube::kMaxDepth, Packing::Fast);
+  MapIndex index;
+  index.version = 1;
+  index.trunk.resolution = 0.1;
+  CObservationMapDiff diff;
+  diff.version = index.version;
+  const BlockCode first = codeOf({{0, 0, 0}, OcTreeCube::kMaxDepth});
+  for (BlockCode code = first; code < first + 2 * kBlocks; code++) {
+    if (code < first + kBlocks) index.blocks[code] = index.version;
+    diff.blocks.push_back({code, index.version, nodes});
+  }
+  diff.index = toBytes(index);
+  const auto begin = std::clock();
+  const auto read = afterStream(diff);
+  const auto middle = std::clock();
+  CProbOctoMap map;
+  EXPECT_NE(errorOf([&] { map.insertObservation(*read); }).find("corrupt"), std::string::npos);
+  EXPECT_LT(std::clock() - middle, 10 * (middle - begin));
 }
 
 TEST(MapDiffObservation, ATruncatedStreamThrowsAndLeavesTheTargetAsItWas) {
