@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /** \file
- * Serialized CObservationLocalMap and CObservationMapDiff. After a first byte of 0 the input is the
- * local map, after 2 the diff; else it is the compressed part of a local map, in plain form. */
+ * Serialized CObservationLocalMap. After a first byte of 0 the input is the local map; else it is
+ * the compressed part of a local map, in plain form. */
 
 #include <mrpt/maps/CEdgeVoxelMap.h>
 #include <mrpt/obs/CObservationLocalMap.h>
@@ -15,7 +15,6 @@
 using namespace mrpt::fusion;
 using mrpt::maps::CProbOctoMap;
 using mrpt::obs::CObservationLocalMap;
-using mrpt::obs::CObservationMapDiff;
 
 namespace {
 
@@ -35,26 +34,11 @@ const fuzz::Blob& blob() {
   return blob;
 }
 
-void readDiff(std::string_view bytes) {
-  CObservationMapDiff diff;
-  if (!fuzz::accepts([&] { map_tests::deserializeInto(bytes, diff); })) return;
-  std::ostringstream text;
-  diff.getDescriptionAsText(text);
-  map_tests::serialized(diff);
-  CProbOctoMap map;
-  fuzz::accepts([&] { map.insertObservation(diff); });
-}
-
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   fuzz::Input input(data, size);
-  const auto kind = input.take<uint8_t>();
-  const bool raw = kind == 0;
-  if (kind == 2) {
-    readDiff(input.rest());
-    return 0;
-  }
+  const bool raw = input.take<uint8_t>() == 0;
   const std::string bytes = raw ? std::string(input.rest()) : blob().replacedBy(input.rest());
   CObservationLocalMap observation;
   if (!fuzz::accepts([&] { map_tests::deserializeInto(bytes, observation); })) return 0;
@@ -70,11 +54,8 @@ std::vector<std::string> fuzzSeeds() {
       '\0' + map_tests::serialized(localMap(nullptr)),
       '\0' + map_tests::serialized(localMap(std::make_shared<mrpt::maps::CEdgeVoxelMap>())),
       '\1' + blob().plain()};
-  for (auto& tree : fuzz::smallTrees()) {
-    if (const auto diff = MapDiffs("a").next(*tree))
-      seeds.push_back('\2' + map_tests::serialized(*diff));
+  for (auto& tree : fuzz::smallTrees())
     seeds.push_back(
         '\0' + map_tests::serialized(localMap(std::make_shared<CProbOctoMap>(std::move(tree)))));
-  }
   return seeds;
 }
