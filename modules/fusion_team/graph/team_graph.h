@@ -45,9 +45,9 @@ struct TeamWays {
 struct ConflictTolerance {
   double displaced;     ///< See ComparedObstacles::displaced
   double contradicted;  ///< See ComparedObstacles::contradicted
-  /** Of a pair at the pose of its sure match, see TeamEvidence::isSure(). The verdict on a pair
-   * refuses half of this share. */
-  double explained = 0.2;
+  /** Of a pair at the pose of its sure match, see TeamEvidence::isSure(): the verdict on the pair
+   * has weighed these conflicts, so one of them counts no more than one confirmed obstacle. */
+  double explained = 1;
 };
 
 /** Evidence of all pairs of a team, by the indices of both maps. Several threads may use it. */

@@ -90,7 +90,7 @@ EvidenceOfMaps::EvidenceOfMaps(const std::vector<RobotMap>& maps, const Options&
 }
 
 double EvidenceOfMaps::fit(const PairEvidence& e) const {
-  return e.confirmed() - (e.displaced() + e.contradicted()) / kLeastTolerance.explained;
+  return e.confirmed() - (e.displaced() + e.contradicted()) / kMostTolerance;
 }
 
 double EvidenceOfMaps::overlapOf(size_t a, size_t b, const PairEvidence& e) const {
@@ -146,11 +146,10 @@ void EvidenceOfMaps::adaptTolerance(const std::vector<PairMatch>& matches) {
   }
   for (size_t k = 0; k < size(); k++) {
     const Shares& shares = of_place[place[k]];
-    const double most = kLeastTolerance.explained;
-    conflict_tolerance_[k] = {
-        std::clamp(kFactor * exceededBy(0.5, shares.displaced), kLeastTolerance.displaced, most),
-        std::clamp(kFactor * exceededBy(0.1, shares.contradicted), kLeastTolerance.contradicted,
-                   most)};
+    conflict_tolerance_[k] = {std::clamp(kFactor * exceededBy(0.5, shares.displaced),
+                                         kLeastTolerance.displaced, kMostTolerance),
+                              std::clamp(kFactor * exceededBy(0.1, shares.contradicted),
+                                         kLeastTolerance.contradicted, kMostTolerance)};
   }
 }
 

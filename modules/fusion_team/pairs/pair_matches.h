@@ -60,7 +60,7 @@ class EvidenceOfMaps : public TeamEvidence {
   void setSureMatches(const std::vector<PairMatch>& matches, double least_probability);
 
  private:
-  /** How well a pair fits: confirmed obstacles less conflicts over the explained tolerance. */
+  /** How well a pair fits: confirmed obstacles less conflicts over kMostTolerance. */
   double fit(const PairEvidence& e) const;
   /** Share of the surface of both maps that is confirmed. */
   double overlapOf(size_t a, size_t b, const PairEvidence& e) const;
@@ -71,6 +71,8 @@ class EvidenceOfMaps : public TeamEvidence {
   /** Where nothing moves, a right configuration has less than half of these shares of conflicts,
    * see doc/decisions/037-team.md. */
   static constexpr ConflictTolerance kLeastTolerance{0.03, 0.01};
+  /** The verdict on a pair refuses half of this share of conflicts. */
+  static constexpr double kMostTolerance = 0.2;
   const std::vector<RobotMap>& maps_;
   std::vector<double> area_, area_of_obstacle_;
   std::vector<Eigen::AlignedBox3d> box_;
