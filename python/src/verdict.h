@@ -39,7 +39,7 @@ void addVerdict(Class& type, VerdictOf verdict_of) {
       "Number of the first reasons that speak against the pose or name lacking evidence.");
   add(
       "overlap", [](const Evaluation& e) { return e.overlap; },
-      "Share of map B that map A confirms, in [0,1].");
+      "Overlap: mean share of matched voxels in both maps, in [0,1].");
   add(
       "inlier_ratio", [](const Evaluation& e) { return e.inlier_ratio; },
       "Share of the pairs of voxels that are near each other, in [0,1].");

@@ -164,6 +164,20 @@ TEST_F(Join, EndsWhenAllMapsAreThereAndSaysWhatIsGoingOn) {
       << logs();
 }
 
+TEST_F(Join, ARobotThatLeavesBeforeAllMapsAreThereSaysSo) {
+  if (!connect(1)) GTEST_SKIP() << reason_;
+  const auto left =
+      network("run", "1 " MAP_FUSION
+                     " join --robot r1 --map r1.ot --domain 7 -o f.ot --until-complete 2 --for 2");
+  EXPECT_EQ(left.code, 3) << left.err;
+  EXPECT_NE(left.err.find("left before the team was complete: 1 of 2 maps"), std::string::npos)
+      << left.err;
+  EXPECT_NE(left.err.find("f.ot was not written: fewer than 2 maps have joined"),
+            std::string::npos)
+      << left.err;
+  EXPECT_FALSE(fs::exists(dir_ / "f.ot"));
+}
+
 TEST_F(Join, ABaseStationWithoutAMapFollowsMapsThatChange) {
   if (!connect(3)) GTEST_SKIP() << reason_;
   fs::remove(dir_ / "r3.ot");

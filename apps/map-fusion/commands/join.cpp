@@ -80,19 +80,34 @@ class Member {
       team_.wait();
     } while (!stopWanted() && !isComplete() && (run_.args.seconds <= 0 || Clock::now() < end));
     if (team_.finish()) take();
-    if (isComplete()) team_.sayFarewell();
+    is_complete_ = isComplete();
+    if (is_complete_) team_.sayFarewell();
     tell();
+    sayWhatIsMissing();
   }
 
-  /** True if all robots whose maps are known have joined. */
+  /** True if all robots whose maps are known have joined, and all wanted maps are there. */
   bool allJoined() const {
     const auto& members = run_.report.members;
-    return std::all_of(members.begin(), members.end(), [](const auto& m) { return m.joined; });
+    return (run_.args.until_complete == 0 || is_complete_) &&
+           std::all_of(members.begin(), members.end(), [](const auto& m) { return m.joined; });
   }
 
  private:
   void read() {
     if (const auto map = live_->readIfChanged(run_)) team_.publish(map);
+  }
+
+  /** Notes that this robot leaves before all wanted maps are there, and without a fused map. */
+  void sayWhatIsMissing() {
+    if (run_.args.until_complete > 0 && !is_complete_)
+      note("left before the team was complete: " + std::to_string(team_.knowledge().whole_maps) +
+           " of " + std::to_string(run_.args.until_complete) + " maps are there as a whole");
+    const auto& members = run_.report.members;
+    const bool has_fused = std::count_if(members.begin(), members.end(),
+                                         [](const FusionMember& m) { return m.joined; }) > 1;
+    if (!run_.args.output.empty() && !has_fused)
+      note(run_.args.output + " was not written: fewer than 2 maps have joined");
   }
 
   /** Records what has changed. A full disk ends the recording, not the robot. */
@@ -209,6 +224,7 @@ class Member {
   Timer reading_{kReadingPeriod}, status_{kStatusPeriod};
   std::string last_line_;
   std::set<std::string> notes_;  // that were printed
+  bool is_complete_ = false;     // at the end
 };
 
 }  // namespace

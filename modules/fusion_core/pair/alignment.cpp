@@ -67,8 +67,8 @@ void compareWithGuess(const MapFeatures& b, const Eigen::Isometry3d& guess, bool
   const double angle = Eigen::AngleAxisd(T.linear() * guess.linear().transpose()).angle();
   const double largest_angle = std::min(search.yaw + search.levelling.max_tilt, M_PI);
   if (step.head<2>().norm() <= 2 * search.translation && angle <= largest_angle) return;
-  e.addReasonAgainst(mrpt::format("the pose is %.1f m and %.0f deg from the guess", step.norm(),
-                                  angle * 180 / M_PI));
+  e.addReasonAgainst(mrpt::format("the middle of map B is %.1f m and %.0f deg from the guess",
+                                  step.norm(), angle * 180 / M_PI));
 }
 
 }  // namespace
