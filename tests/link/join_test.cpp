@@ -172,8 +172,7 @@ TEST_F(Join, ARobotThatLeavesBeforeAllMapsAreThereSaysSo) {
   EXPECT_EQ(left.code, 3) << left.err;
   EXPECT_NE(left.err.find("left before the team was complete: 1 of 2 maps"), std::string::npos)
       << left.err;
-  EXPECT_NE(left.err.find("f.ot was not written: fewer than 2 maps have joined"),
-            std::string::npos)
+  EXPECT_NE(left.err.find("f.ot was not written: fewer than 2 maps have joined"), std::string::npos)
       << left.err;
   EXPECT_FALSE(fs::exists(dir_ / "f.ot"));
 }
