@@ -17,6 +17,17 @@ ObstacleCheck checkObstacle(const MapVoxels& map, const Eigen::Vector3d& p) {
                                                                 : ObstacleCheck::Unknown;
 }
 
+bool isAtBorder(const MapVoxels& map, const Eigen::Vector3d& p) {
+  const octomap::OcTreeKey key = map.map->coordToKey(p.x(), p.y(), p.z());
+  for (unsigned axis = 0; axis < 3; axis++) {
+    octomap::OcTreeKey before = key, behind = key;
+    before[axis]--;
+    behind[axis]++;
+    if (map.free.has(before) != map.free.has(behind)) return true;
+  }
+  return false;
+}
+
 bool isFree(const MapVoxels& map, const Eigen::Vector3d& p) {
   octomap::OcTreeKey key;
   return map.map->coordToKeyChecked(p.x(), p.y(), p.z(), key) && map.free.has(key);

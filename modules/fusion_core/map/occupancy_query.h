@@ -27,6 +27,10 @@ enum class ObstacleCheck : uint8_t {
  * obstacles beside it. */
 ObstacleCheck checkObstacle(const MapVoxels& map, const Eigen::Vector3d& p);
 
+/** True if a free voxel at a point (m, map frame) has, along an axis, free space on one side only.
+ * If there are no obstacles around it, the other side is unknown: the border of the free space. */
+bool isAtBorder(const MapVoxels& map, const Eigen::Vector3d& p);
+
 /** True if a map has seen free space at a point, m, map frame. */
 bool isFree(const MapVoxels& map, const Eigen::Vector3d& p);
 

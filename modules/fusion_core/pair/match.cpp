@@ -91,7 +91,9 @@ void registerRivals(const MapFeatures& a, const MapFeatures& b, const VoxelAssoc
 }
 
 ComparisonParams comparisonOf(const Options& options) {
-  return {options.registration, options.ranking, options.evaluation.tolerance, options.search.cell};
+  const EvaluationParams& verdict = options.evaluation;
+  return {options.registration, options.ranking, verdict.tolerance, verdict.border,
+          options.search.cell};
 }
 
 MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,

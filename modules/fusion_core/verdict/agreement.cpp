@@ -17,18 +17,20 @@ struct ObstacleCounts {
 };
 
 ObstacleCounts countObstacles(const MapVoxels& map, const Obstacles& obstacles, double resolution,
-                              const Eigen::Isometry3d& T, const AgreementParams& params) {
+                              const Eigen::Isometry3d& T, const AgreementParams& params,
+                              const BorderParams& border) {
   const double before = params.front_voxels * std::max(resolution, map.voxels.resolution);
   ObstacleCounts counts;
   for (size_t i = 0; i < obstacles.centre.size(); i++) {
     const Eigen::Vector3d centre = obstacles.centre[i].cast<double>();
-    const ObstacleCheck check = checkObstacle(map, T * centre);
+    const Eigen::Vector3d place = T * centre;
+    const ObstacleCheck check = checkObstacle(map, place);
     if (check == ObstacleCheck::Confirmed) {
       const Eigen::Vector3d front = obstacles.front[i].cast<double>();
       const bool same_side = front.isZero(0) || isFree(map, T * (centre + before * front));
       counts.confirmed += same_side ? 1 : params.other_side;
     } else if (check == ObstacleCheck::Conflicting) {
-      counts.contradicted++;
+      counts.contradicted += conflictWeight(map, place, border);
     } else if (check == ObstacleCheck::Missed) {
       counts.contradicted += params.missed;
     }
@@ -79,11 +81,16 @@ size_t confirmedFromSameSide(const MapVoxels& a, const Obstacles& of_a, const Ma
   return count(a, of_b, T_a_b) + count(b, of_a, T_a_b.inverse());
 }
 
+double conflictWeight(const MapVoxels& map, const Eigen::Vector3d& p, const BorderParams& border) {
+  return map.voxels.resolution <= border.largest_voxel && isAtBorder(map, p) ? border.weight : 1;
+}
+
 double agreement(const MapVoxels& a, const Obstacles& of_a, const MapVoxels& b,
                  const Obstacles& of_b, const Eigen::Isometry3d& T_a_b,
-                 const AgreementParams& params) {
-  const ObstacleCounts by_a = countObstacles(a, of_b, b.voxels.resolution, T_a_b, params);
-  const ObstacleCounts by_b = countObstacles(b, of_a, a.voxels.resolution, T_a_b.inverse(), params);
+                 const AgreementParams& params, const BorderParams& border) {
+  const ObstacleCounts by_a = countObstacles(a, of_b, b.voxels.resolution, T_a_b, params, border);
+  const ObstacleCounts by_b =
+      countObstacles(b, of_a, a.voxels.resolution, T_a_b.inverse(), params, border);
   const double confirmed = by_a.confirmed + by_b.confirmed;
   const double contradicted = by_a.contradicted + by_b.contradicted;
   if (confirmed == 0) return 0;

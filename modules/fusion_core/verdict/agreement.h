@@ -43,15 +43,19 @@ size_t confirmedFromSameSide(const MapVoxels& a, const Obstacles& of_a, const Ma
                              const Obstacles& of_b, const Eigen::Isometry3d& T_a_b,
                              const AgreementParams& params = {});
 
+/** Returns the weight of a conflict with a map at a point, m, map frame. */
+double conflictWeight(const MapVoxels& map, const Eigen::Vector3d& p, const BorderParams& border);
+
 /** Returns the agreement of two maps at a pose (not in the paper): the number of obstacles that the
  * other map confirms, times exp(-r / tolerance). r is the conflict ratio: obstacles in the other
- * map's free space over obstacles that the other map confirms or contradicts.
+ * map's free space over obstacles that the other map confirms or contradicts. Some conflicts count
+ * less, see BorderParams.
  *
  * The right pose has few conflicts (0 to 7 % on all our maps). A wrong pose may have a larger
  * overlap. An obstacle has weight 1 if both maps see it from the same side, otherwise
  * AgreementParams::other_side: a floor on a ceiling, and rooms back to back, have no conflicts. */
 double agreement(const MapVoxels& a, const Obstacles& of_a, const MapVoxels& b,
                  const Obstacles& of_b, const Eigen::Isometry3d& T_a_b,
-                 const AgreementParams& params = {});
+                 const AgreementParams& params = {}, const BorderParams& border = {});
 
 }  // namespace mrpt::fusion

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "fusion_base/parallel.h"
@@ -91,10 +92,15 @@ double probabilityOfStaying(const PoseDeviation& deviation, const PoseTolerance&
 }
 
 FreeSpaceCheck checkFreeSpace(const MapVoxels& a, const OccupiedVoxels& b,
-                              const Eigen::Isometry3d& T_a_b, size_t stride) {
+                              const Eigen::Isometry3d& T_a_b, size_t stride,
+                              const BorderParams& border) {
   std::vector<ObstacleCheck> checks((b.size() + stride - 1) / stride);
+  std::vector<double> discounts(checks.size());
   forEachIndex(checks.size(), kGrain, [&](size_t i) {
-    checks[i] = checkObstacle(a, T_a_b * b.centre[stride * i].cast<double>());
+    const Eigen::Vector3d place = T_a_b * b.centre[stride * i].cast<double>();
+    checks[i] = checkObstacle(a, place);
+    if (checks[i] == ObstacleCheck::Conflicting)
+      discounts[i] = 1 - conflictWeight(a, place, border);
   });
   const auto count = [&](ObstacleCheck c) {
     return static_cast<size_t>(std::count(checks.begin(), checks.end(), c));
@@ -103,6 +109,7 @@ FreeSpaceCheck checkFreeSpace(const MapVoxels& a, const OccupiedVoxels& b,
   check.agreeing = count(ObstacleCheck::Confirmed);
   check.conflicting = count(ObstacleCheck::Conflicting);
   check.missed = count(ObstacleCheck::Missed);
+  check.discount = std::accumulate(discounts.begin(), discounts.end(), 0.0);
   if (!a.has_free_space) check.agreeing_without_free = check.agreeing;
   return check;
 }
@@ -140,8 +147,8 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
   // Both maps use the same stride, so both have the same weight.
   const size_t stride = std::max(stride_a, stride_b);
   const auto bothWays = [&](const Eigen::Isometry3d& T) {
-    return checkFreeSpace(a, b.voxels, T, stride) +
-           checkFreeSpace(b, a.voxels, T.inverse(), stride);
+    return checkFreeSpace(a, b.voxels, T, stride, params.border) +
+           checkFreeSpace(b, a.voxels, T.inverse(), stride, params.border);
   };
   e.free_space = bothWays(T_a_b);
   const double conflict = e.free_space.conflictRatio();

@@ -31,7 +31,8 @@ double probabilityOfStaying(const PoseDeviation& deviation, const PoseTolerance&
 
 /** Compares every \a stride -th occupied voxel of B with map A. Cost: O(voxels of B / stride). */
 FreeSpaceCheck checkFreeSpace(const MapVoxels& a, const OccupiedVoxels& b,
-                              const Eigen::Isometry3d& T_a_b, size_t stride = 1);
+                              const Eigen::Isometry3d& T_a_b, size_t stride = 1,
+                              const BorderParams& border = {});
 
 /** The best other pose of a match. */
 struct Rival {

@@ -97,7 +97,7 @@ Matrix6d PoseComparison::covarianceAt(const Eigen::Isometry3d& T_a_b) const {
 }
 
 double PoseComparison::agreementAt(const Eigen::Isometry3d& T_a_b) const {
-  return agreement(a_, of_a_, b_, of_b_, T_a_b, params_.ranking.agreement);
+  return agreement(a_, of_a_, b_, of_b_, T_a_b, params_.ranking.agreement, params_.border);
 }
 
 VoxelLevel PoseComparison::level() const {

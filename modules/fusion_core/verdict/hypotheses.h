@@ -24,6 +24,7 @@ struct ComparisonParams {
   RegistrationParams registration;  ///< Settings of the refinement
   RankingParams ranking;            ///< Numbers of voxels and poses, precision
   PoseTolerance tolerance;          ///< Largest distance of poses at the same place
+  BorderParams border;              ///< Weight of some conflicts
   double spacing;                   ///< Width of the cubes that give at most one voxel each, m
 };
 

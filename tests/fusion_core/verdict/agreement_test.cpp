@@ -89,6 +89,21 @@ TEST(Agreement, ConflictsTakeItAwayByTheirShare) {
   EXPECT_EQ(agreementWithWall(obstaclesAt({{2, 5, 5}})), 0) << "nothing is confirmed";
 }
 
+TEST(Agreement, AConflictAtTheBorderOfTheFreeSpaceCountsInPart) {
+  const Map wall = wallAndAir(), other(MapWriter().voxel({100, 100, 100}, kOccupied).pruned());
+  const auto agreementOf = [&](const Cell& conflict, const BorderParams& border) {
+    std::vector<Cell> cells{conflict};
+    for (int y = 0; y < 9; y++) cells.push_back({5, y, 5});
+    return agreement(wall.voxels, {}, other.voxels, obstaclesAt(cells), kIdentity, {}, border);
+  };
+  const auto expected = [](double weight) { return 9 * std::exp(-weight / (9 + weight) / 0.02); };
+  const BorderParams half{0.5, 0.1};
+  for (const Cell& at_border : {Cell{0, 5, 5}, {2, 0, 5}, {2, 5, 9}})
+    EXPECT_NEAR(agreementOf(at_border, half), expected(0.5), 1e-12);
+  EXPECT_NEAR(agreementOf({2, 5, 5}, half), expected(1), 1e-12) << "free space all around";
+  EXPECT_NEAR(agreementOf({0, 5, 5}, {0.5, 0.09}), expected(1), 1e-12) << "the voxels are larger";
+}
+
 TEST(Agreement, AnObstacleSeenFromTheOtherSideCountsInPart) {
   AgreementParams params;
   params.other_side = 0.3;

@@ -92,6 +92,17 @@ TEST(FreeSpace, ObstacleBesideTheOthersObstacleAgrees) {
   expectCheck(checkAt({{10, 8, 8}, {4, 4, 6}, {6, 6, 6}}), 0, 3);
 }
 
+TEST(FreeSpace, ObstacleAtTheBorderOfTheFreeSpaceConflictsInPart) {
+  const FreeSpaceCheck inside = checkAt({{12, 8, 8}, {8, 8, 8}});
+  EXPECT_EQ(inside.discount, 0);
+  EXPECT_EQ(inside.conflictRatio(), 0.5);
+  const FreeSpaceCheck at_border = checkAt({{12, 8, 8}, {8, 8, 15}});
+  expectCheck(at_border, 1, 1);
+  const double weight = BorderParams{}.weight;
+  EXPECT_EQ(at_border.discount, 1 - weight);
+  EXPECT_EQ(at_border.conflictRatio(), weight / (1 + weight));
+}
+
 TEST(FreeSpace, ObstacleInUnknownSpaceSaysNothing) {
   expectCheck(checkAt({{30, 8, 8}, {-5, 0, 0}, {8, 8, 17}}), 0, 0);
   EXPECT_EQ(checkAt({{30, 8, 8}}).conflictRatio(), 0);

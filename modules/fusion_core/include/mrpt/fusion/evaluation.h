@@ -21,12 +21,12 @@ struct PoseTolerance {
 
 /** Logistic regression from the evidence of a verdict to its probability. It is fitted by
  * scripts/fit_verdict.py on matches of simulated buildings, see
- * doc/decisions/025-probability.md. */
+ * doc/decisions/025-probability.md and, for the conflict ratio, 066-border-of-free-space.md. */
 struct VerdictModel {
-  unsigned version = 1;            ///< Version of the fit
+  unsigned version = 2;            ///< Version of the fit
   double constant = -15.57;        ///< Log-odds without evidence
   double log_overlap = 1.845;      ///< Log-odds per natural logarithm of the overlap
-  double conflict_ratio = -29.31;  ///< Log-odds per share of obstacles in the other's free space
+  double conflict_ratio = -50;  ///< Log-odds per share of obstacles in the other's free space
   double runner_up = -8.085;    ///< Log-odds per agreement of the best other pose over this pose's
   double inlier_ratio = 22.91;  ///< Log-odds per share of inliers
   double min_overlap = 1e-3;    ///< Least overlap; smaller overlaps count as this overlap
@@ -39,6 +39,17 @@ struct VerdictModel {
    * \param[in] inlier_ratio Inliers over pairs. */
   MRPT_FUSION_API double probability(double overlap, double conflict_ratio, double runner_up,
                                      double inlier_ratio) const;
+};
+
+/** Weight of conflicts at the border of the free space. A map of few or noisy returns has holes in
+ * its surfaces. An obstacle of the other map that lies beside such a hole is in free space, without
+ * an obstacle around, also at the right pose. */
+struct BorderParams {
+  /** Weight of an obstacle in a free voxel that has, along an axis, free space on one side and
+   * unknown space on the other side, over a conflict, [0,1]. */
+  double weight = 0.25;
+  /** Largest voxel with such a border, m. A larger voxel is larger than a hole. */
+  double largest_voxel = 0.15;
 };
 
 /** Settings of agreement(). */
@@ -73,6 +84,7 @@ struct EvaluationParams {
       15000;  ///< Voxels of each map in the verdict, spread evenly; 0: all, as published
   double inlier_mahalanobis = 0.2;  ///< Mahalanobis distance (not squared) of an inlier
   double max_free_conflict = 0.10;  ///< Largest conflict ratio
+  BorderParams border;              ///< Weight of some conflicts
   double min_overlap = 0.02;        ///< Least overlap; a smaller overlap has too little evidence
   /** Largest agreement of another pose over the agreement of the match. */
   double max_runner_up = 0.75;
@@ -109,6 +121,9 @@ struct FreeSpaceCheck {
   size_t agreeing_without_free = 0;  ///< Part of agreeing that maps without free space confirm
   /** Number of voxels beside the obstacles of a map without free space: 2 to 4 voxels away. */
   size_t missed = 0;
+  /** Part of conflicting that does not count: obstacles at the border of the free space count less,
+   * see BorderParams. */
+  double discount = 0;
 
   /** Returns the sum of each number. */
   FreeSpaceCheck operator+(const FreeSpaceCheck& other) const {
@@ -117,20 +132,23 @@ struct FreeSpaceCheck {
     sum.conflicting += other.conflicting;
     sum.agreeing_without_free += other.agreeing_without_free;
     sum.missed += other.missed;
+    sum.discount += other.discount;
     return sum;
   }
   /** True if an obstacle lies where the other map has free space around and could show a conflict.
    * Without such obstacles the conflict ratio is no evidence. */
   bool knowsConflicts() const { return conflicting + agreeing > agreeing_without_free; }
   /** Conflict ratio, [0,1]; 0 if nothing is known. */
-  double conflictRatio() const { return ratio(conflicting, agreeing - agreeing_without_free); }
+  double conflictRatio() const {
+    return ratio(static_cast<double>(conflicting) - discount, agreeing - agreeing_without_free);
+  }
   /** Ratio of missed voxels in maps without free space, [0,1]; 0 if both maps have free space. */
-  double missedRatio() const { return ratio(missed, agreeing_without_free); }
+  double missedRatio() const { return ratio(static_cast<double>(missed), agreeing_without_free); }
 
  private:
-  static double ratio(size_t against, size_t in_favour) {
-    const size_t n = against + in_favour;
-    return n > 0 ? static_cast<double>(against) / static_cast<double>(n) : 0;
+  static double ratio(double against, size_t in_favour) {
+    const double n = against + static_cast<double>(in_favour);
+    return n > 0 ? against / n : 0;
   }
 };
 
