@@ -96,8 +96,7 @@ p_a = pose @ p_b. match() and evaluate() return it.
           "by_edges", [](const Match& self) { return self.alignment.by_edges; },
           "True if only edges were compared. Such a match is never accepted.")
       .def("__repr__", py::overload_cast<const Match&>(&textOf));
-  addVerdict(
-      match, [](const Match& self) -> const auto& { return self.alignment.evaluation; });
+  addVerdict(match, [](const Match& self) { return &self.alignment.evaluation; });
 
   m.def("match", &matchMaps, py::arg("a"), py::arg("b"), py::arg("guess") = py::none(),
         py::arg("guess_sigma") = py::none(), py::arg("options") = py::dict(),

@@ -158,6 +158,10 @@ TEST(ReportAsJson, HoldsTheRobotsOfATeam) {
   EXPECT_EQ(robots[0].at("robot"), "first");
   EXPECT_TRUE(robots[0].at("joined"));
   EXPECT_FALSE(robots[0].contains("match")) << "the others are matched with the first map";
+  EXPECT_EQ(robots[0].at("pose").at("matrix"),
+            Json::parse("[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]"));
+  EXPECT_TRUE(robots[0].at("probability").is_null()) << "its pose is given, not found";
+  EXPECT_FALSE(robots[0].contains("covariance"));
   EXPECT_FALSE(robots[1].at("joined"));
   EXPECT_EQ(robots[1].at("match").at("pairs"), 100);
   EXPECT_EQ(robots[1].at("covariance"), robots[1].at("pose").at("covariance"));

@@ -174,6 +174,10 @@ struct Evaluation {
   std::vector<std::string> reasons;
   size_t reasons_against = 0;  ///< Number of reasons against the pose, or of lacking evidence
 
+  /** Returns the reasons against the pose, or of lacking evidence. */
+  std::vector<std::string> against() const {
+    return {reasons.begin(), reasons.begin() + static_cast<std::ptrdiff_t>(reasons_against)};
+  }
   /** Adds a reason behind the other reasons against the pose. */
   void addReasonAgainst(const std::string& reason) {
     reasons.insert(reasons.begin() + static_cast<std::ptrdiff_t>(reasons_against++), reason);
