@@ -91,11 +91,15 @@ std::vector<Robot> robotsOfList(const py::iterable& maps) {
   return robots;
 }
 
-/** Returns the robots of a dict of maps by name, or of a list of maps. */
-std::vector<Robot> robotsOf(const py::object& maps) {
+/** \exception pybind11::type_error If the maps are neither a list nor a dict. */
+void checkMaps(const py::object& maps) {
   if (py::isinstance<py::str>(maps) || py::isinstance<py::bytes>(maps) ||
       !py::isinstance<py::iterable>(maps))
     throw py::type_error("maps is a list or a dict: fuse([a, b])");
+}
+
+/** Returns the robots of a dict of maps by name, or of a list of maps. */
+std::vector<Robot> robotsOf(const py::object& maps) {
   std::vector<Robot> robots;
   if (py::isinstance<py::dict>(maps)) {
     for (const auto& [name, map] : py::reinterpret_borrow<py::dict>(maps))
@@ -144,9 +148,9 @@ Fusion fuseTeam(const std::vector<Robot>& robots,
   return fusion;
 }
 
-Fusion fuse(const py::object& maps, const std::optional<DoubleArray>& guess,
-            const std::optional<Sigma>& sigma, const Poses& poses, const py::object& options,
-            bool independent) {
+Fusion fuse(const py::object& maps, const py::object& guess, const py::object& sigma,
+            const Poses& poses, const py::object& options, bool independent) {
+  checkMaps(maps);  // in fuse(a, b), b is no guess
   Settings settings = settingsOf(options);
   settings.options.merge.independent = independent;
   const mrpt::fusion::Prior prior = priorOf(guess, sigma);
@@ -163,7 +167,8 @@ Fusion fuse(const py::object& maps, const std::optional<DoubleArray>& guess,
       std::none_of(robots.begin(), robots.end(), [](const Robot& r) {
         return r.map->isEdgesAlone() || !mrpt::fusion::Prior(r.map->origin().pose).isNone();
       });
-  if (guess && !is_pair) throw py::value_error("guess is for two maps; give poses of more maps");
+  if (!guess.is_none() && !is_pair)
+    throw py::value_error("guess is for two maps; give poses of more maps");
   const py::gil_scoped_release release;
   return is_pair ? fusePair(robots, prior, settings) : fuseTeam(robots, known, settings);
 }

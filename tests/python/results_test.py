@@ -148,6 +148,7 @@ def test_refuses_unknown_and_senseless_options(options, fault):
     (lambda: mf.match("a.ot", "b.ot", np.eye(3)), ValueError),
     (lambda: mf.match("a.ot", "b.ot", guess_sigma=(1, 1)), ValueError),
     (lambda: mf.match("a.ot", "b.ot", np.eye(4), (-1, 1)), mf.Error),
+    (lambda: mf.match("a.ot", "b.ot", np.eye(4), (1, 0)), mf.Error),
     (lambda: mf.match("a.ot", mf.MapBuilder().map()), mf.Error),
     (lambda: mf.fuse(["a.ot"]), ValueError),
     (lambda: mf.fuse({"a": "a.ot"}), ValueError),
@@ -156,6 +157,21 @@ def test_refuses_unknown_and_senseless_options(options, fault):
     (lambda: mf.load_mission("a.ot"), mf.Error)])
 def test_refuses_wrong_calls(call, fault):
     with pytest.raises(fault):
+        call()
+
+
+@pytest.mark.parametrize("call, message", [
+    (lambda: mf.fuse("a.ot", "b.ot"), r"maps is a list or a dict: fuse\(\[a, b\]\)"),
+    (lambda: mf.fuse(mf.load("a.ot"), mf.load("b.ot")), r"maps is a list or a dict: fuse\(\[a, b\]\)"),
+    (lambda: mf.match("a.ot", "b.ot", guess="[1 2 0 30 0 0]"), "guess is a 4x4 matrix: .*"),
+    (lambda: mf.fuse(["a.ot", "b.ot"], guess=mf.load("b.ot")), "guess is a 4x4 matrix: .*"),
+    (lambda: mf.evaluate("a.ot", "b.ot", "T.txt"), "pose is a 4x4 matrix: .*"),
+    (lambda: mf.merge("a.ot", "b.ot", {}), "pose is a 4x4 matrix: .*"),
+    (lambda: mf.MapTeam().set("a", "a.ot", pose="here"), "pose is a 4x4 matrix: .*"),
+    (lambda: mf.match("a.ot", "b.ot", np.eye(4), 3), "guess_sigma is a pair: .*"),
+    (lambda: mf.match("a.ot", "b.ot", np.eye(4), (1, 2, 3)), "guess_sigma is a pair: .*")])
+def test_says_what_an_argument_is(call, message):
+    with pytest.raises(TypeError, match=f"^{message}$"):
         call()
 
 
