@@ -198,8 +198,9 @@ std::vector<PlacedMap> judgeTeam(const TeamSearchResult& result, const std::vect
                  names[result.first]);
     if (!m.placed) continue;
     say(k, "placed by " + listOf(m.ways_in, names));
-    say(k, "the other maps confirm its place: " + percent(m.areas.conflictRatio()) +
-               " of the obstacles lie in their free space");
+    say(k, percentBeside(params.max_conflict, m.areas.conflictRatio()) +
+               " of the obstacles lie in free space of other maps, at most " +
+               percent(params.max_conflict) + " are allowed");
     say(k, m.runner_up > 0 ? "the next best place reaches " + percent(m.runner_up) +
                                  " of the gain of this place"
                            : "no other place agrees with the other maps");

@@ -102,6 +102,9 @@ TEST(JointVerdict, ALoopOfUnsureMatchesPlacesAllMaps) {
   const auto maps = placed(waysAround(4), 0.3);
   EXPECT_EQ(numberOf(maps), 4U);
   EXPECT_EQ(maps[2].ways_in.size(), 2U);
+  ASSERT_GE(maps[2].reasons.size(), 2U);
+  EXPECT_EQ(maps[2].reasons[1],
+            "0.0 % of the obstacles lie in free space of other maps, at most 10.0 % are allowed");
 }
 
 TEST(JointVerdict, AChainOfUnsureMatchesPlacesNoMapButTheFirst) {
