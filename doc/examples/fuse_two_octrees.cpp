@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// fuse_two_octrees A.ot B.ot FUSED.ot: two octrees of OctoMap made one, without a map class of MRPT.
+// fuse_two_octrees A.ot B.ot FUSED.ot: two octrees made one, without a map class of MRPT.
 #include <mrpt/fusion/alignment.h>
 #include <mrpt/fusion/merging.h>
 #include <octomap/OcTree.h>

@@ -19,7 +19,6 @@ namespace {
 
 class Fusing : public AppTest {
  protected:
-
   static Json mapOf(const Json& report, const std::string& role) {
     for (const auto& m : report.at("maps"))
       if (m.at("role") == role) return m;
