@@ -59,16 +59,23 @@ constexpr double kLeastHeadingBound = M_PI / 180;
 
 /** Rejects a match whose pose lies outside of the standard deviations that the guess states. The
  * search keeps to them, the registration need not. A position is never known better than to a cell
- * of the search. */
-void rejectOutside(const Eigen::Isometry3d& guess, const SearchParams& search, Alignment& result) {
+ * of the search. A guess states the position of the origin of map B, and the search moves the
+ * middle of map B: the smaller of both steps counts. */
+void rejectOutside(const MapFeatures& b, const Eigen::Isometry3d& guess, const SearchParams& search,
+                   Alignment& result) {
   Evaluation& e = result.evaluation;
   const auto reject = [&](const std::string& reason) {
     e.addReasonAgainst(reason);
     e.accepted = e.is_ambiguous = false;
   };
   if (e.pairs == 0) return reject("the maps do not touch anywhere within the bounds of the guess");
-  const mrpt::poses::CPose3D pose = toPose(result.match.T_a_b), guessed = toPose(guess);
-  const Eigen::Vector3d step = result.match.T_a_b.translation() - guess.translation();
+  const Eigen::Isometry3d& T = result.match.T_a_b;
+  const mrpt::poses::CPose3D pose = toPose(T), guessed = toPose(guess);
+  const Eigen::Vector3d middle = meanOf(b.matched.voxels.centre);
+  const Eigen::Vector3d of_origin = T.translation() - guess.translation(),
+                        of_middle = T * middle - guess * middle;
+  const Eigen::Vector3d& step =
+      of_middle.head<2>().norm() < of_origin.head<2>().norm() ? of_middle : of_origin;
   const double far = step.head<2>().norm(), high = std::abs(step.z());
   const double turn = std::abs(mrpt::math::wrapToPi(pose.yaw() - guessed.yaw()));
   const double most_high = std::max(search.height, search.cell);
@@ -138,7 +145,7 @@ Alignment align(const PreparedMap& map_a, const PreparedMap& map_b, const Prior&
   const bool is_near_guess =
       within_prior.search.translation > 0 && !within_prior.search.isEverywhere();
   if (is_near_guess && prior.statesCovariance())
-    rejectOutside(guess, within_prior.search, result);
+    rejectOutside(b, guess, within_prior.search, result);
   else if (is_near_guess)
     compareWithGuess(b, guess, within_prior.search, result);
   if (by_edges) {
