@@ -119,6 +119,15 @@ std::string doubtOn(const PlacedMap& m, const JointVerdictParams& params) {
 
 }  // namespace
 
+std::vector<std::string> reasonsAtMatch(const PlacedMap& map, const std::string& partner) {
+  std::vector<std::string> reasons = map.reasons;
+  if (map.pose)
+    reasons.insert(reasons.begin(),
+                   "the pose is that of the match with " + partner +
+                       "; all maps together prefer another place, which the next reasons judge");
+  return reasons;
+}
+
 std::string listOf(const std::vector<size_t>& maps, const std::vector<std::string>& names) {
   std::string list;
   for (const size_t k : maps) list += (list.empty() ? "" : ", ") + names[k];

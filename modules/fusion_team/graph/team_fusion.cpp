@@ -169,12 +169,7 @@ PlacedTeam placeByMatches(const std::vector<RobotMap>& maps, const std::vector<P
             : std::min(e.probability, params.model.ofAnotherPose(
                                           p.pose ? std::optional(p.probability) : std::nullopt));
     e.accepted = p.placed;
-    e.reasons = p.reasons;
-    if (p.pose && !is_at_its_place && !p.placed)
-      e.reasons.insert(
-          e.reasons.begin(),
-          "the pose is that of the match with " + member.matched_with +
-              "; all maps together prefer another place, which the next reasons judge");
+    e.reasons = is_at_its_place || p.placed ? p.reasons : reasonsAtMatch(p, member.matched_with);
     e.reasons_against = p.placed ? 0 : e.reasons.size();
     for (const size_t other : groups.others[k]) member.fits.push_back(maps[other].robot);
     e.runner_up = p.runner_up;

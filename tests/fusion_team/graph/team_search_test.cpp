@@ -96,6 +96,7 @@ TEST(TeamSearch, FindsThePosesAtWhichAllPairsAgree) {
 TEST(TeamSearch, WithoutWaysPlacesNothing) {
   const TeamSearchResult found = searchTeam({}, Square(), 16);
   for (const auto& pose : found.best.pose) EXPECT_FALSE(pose);
+  EXPECT_EQ(reasonsAtMatch({}, "r1").size(), 0U) << "no place is preferred";
 }
 
 TEST(JointVerdict, ALoopOfUnsureMatchesPlacesAllMaps) {
@@ -132,6 +133,11 @@ TEST(JointVerdict, AMapWithARivalIsNotPlacedButClosesTheLoopOfTheOthers) {
   ASSERT_FALSE(maps[2].reasons.empty());
   EXPECT_NE(maps[2].reasons[0].find("another place reaches 95.0 % of the gain"), std::string::npos)
       << maps[2].reasons[0];
+  const auto at_match = reasonsAtMatch(maps[2], "r1");
+  ASSERT_EQ(at_match.size(), maps[2].reasons.size() + 1);
+  EXPECT_EQ(at_match[0].find("the pose is that of the match with r1; all maps together prefer"),
+            0U);
+  EXPECT_EQ(at_match[1], maps[2].reasons[0]);
 }
 
 TEST(TeamScore, ContradictedObstaclesCountOverTheirTolerance) {
