@@ -55,8 +55,8 @@ struct PlacedMap {
   std::vector<std::string> reasons;       ///< Reasons of the verdict, one sentence each
 };
 
-/** Returns the reasons of a map that is shown at its best match and not at its place, if it has one.
- * \param[in] partner Name of the map that it is matched with. */
+/** Returns the reasons of a map that is shown at its best match and not at its place, if it has
+ * one. \param[in] partner Name of the map that it is matched with. */
 std::vector<std::string> reasonsAtMatch(const PlacedMap& map, const std::string& partner);
 
 /** Returns the names of maps, separated by commas. */
