@@ -10,9 +10,9 @@
 
 #include "command_definitions.h"
 #include "fusion_base/printable.h"
+#include "fusion_base/spelling.h"
 #include "output.h"
 #include "slice_out.h"
-#include "spelling.h"
 
 namespace fs = std::filesystem;
 
@@ -27,13 +27,14 @@ void checkCommand(const CLI::App& app, int argc, char** argv) {
   if (word[0] == '-') return;
   std::vector<std::string> commands;
   for (const auto* command : app.get_subcommands({})) commands.push_back(command->get_name());
-  const std::string nearest = nearestTo(word, commands).first;
+  const std::string nearest = mrpt::fusion::nearestTo(word, commands).first;
   if (nearest == word) return;
   std::error_code none;
   if (fs::exists(word, none))
     throw CLI::ValidationError("'" + mrpt::fusion::printable(word) +
                                "' is a file; a command comes first: map-fusion fuse A B -o FILE");
-  throw CLI::ValidationError("there is no command '" + mrpt::fusion::printable(word, kMostLetters) +
+  throw CLI::ValidationError("there is no command '" +
+                             mrpt::fusion::printable(word, mrpt::fusion::kMostLetters) +
                              "'; the nearest is '" + nearest + "'");
 }
 
@@ -73,9 +74,9 @@ void checkOptions(const CLI::App& app, int argc, char** argv) {
     if ((word == "-o" || name == "--output") && !command->get_option_no_throw("--output"))
       throw CLI::ValidationError(insteadOfOutput(*command));
     if (word.substr(0, 2) != "--" || command->get_option_no_throw(name)) continue;
-    const auto [nearest, changes] = nearestTo(name, options);
+    const auto [nearest, changes] = mrpt::fusion::nearestTo(name, options);
     throw CLI::ValidationError(command->get_name() + " has no option " +
-                               mrpt::fusion::printable(name, kMostLetters) +
+                               mrpt::fusion::printable(name, mrpt::fusion::kMostLetters) +
                                (changes > kMostChanges ? "" : "; the nearest is " + nearest));
   }
 }
@@ -97,6 +98,20 @@ void checkOutputs(const Arguments& args) {
             mrpt::fusion::printable(outputs[i]));
 }
 
+/** \exception CLI::ValidationError If the extension of a picture, page or scene says that the file
+ * is something else. Devices and standard output take all. */
+void checkDrawings(const Arguments& args) {
+  const auto check = [](const std::string& path, const std::string& what,
+                        const std::string& extension) {
+    if (path.empty() || isDevice(path) || fs::path(path).extension() == extension) return;
+    throw CLI::ValidationError(mrpt::fusion::printable(path) + ": " + what + " ends in " +
+                               extension);
+  };
+  check(args.picture, "a picture", ".png");
+  check(args.page, "a page", ".html");
+  check(args.scene, "a scene", ".3Dscene");
+}
+
 /** \exception CLI::ValidationError If the extension of the output is that of files that the command
  * does not write. */
 void checkFormat(const Arguments& args) {
@@ -115,7 +130,10 @@ void checkFormat(const Arguments& args) {
     if (is_octree || (is_other && extension != ".ply"))
       refuse("edges, not an octree: .ply or .gridmap");
   } else if (is_other) {
-    refuse("maps: .ot or .bt of OctoMap, .gridmap or .gridmap.gz of MRPT");
+    const fs::path unpacked = extension == ".gz" ? fs::path(output).stem() : fs::path();
+    const bool is_packed_octree = unpacked.extension() == ".ot" || unpacked.extension() == ".bt";
+    refuse("maps: .ot or .bt of OctoMap, .gridmap or .gridmap.gz of MRPT" +
+           std::string(is_packed_octree ? ". It does not pack octrees: gzip does" : ""));
   }
 }
 
@@ -145,6 +163,7 @@ std::optional<ExitCode> parseArguments(int argc, char** argv, Arguments& args) {
     args.command = app.get_subcommands().front()->get_name();
     checkFormat(args);
     checkOutputs(args);
+    checkDrawings(args);
     checkRange(args.heights, "--heights");
     checkRange(args.thresholds, "--thresholds");
     if (args.maps.size() != 2 && !(args.init + args.pose_out + args.picture + args.scene).empty())

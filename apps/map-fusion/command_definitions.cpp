@@ -36,6 +36,7 @@ CLI::Validator numberIn(double min, double max, const std::string& name) {
 constexpr int kMaxMaps = 10000;
 constexpr double kMostThreads = 1024;
 constexpr double kLeastTime = 1e-3, kMostTime = 1e9;  // s
+constexpr double kLeastSigma = 1e-6;                  // m, deg
 constexpr double kMostSigma = 1e6;                    // m, deg
 constexpr double kMostHeight = 1e9;                   // m
 
@@ -120,12 +121,14 @@ class CommandLine {
                         "initial guess of the pose of B in A's frame: " + std::string(kPoseHelp) +
                             ". Without --init, all positions and headings are searched")
             ->type_name("POSE");
-    sub->add_option("--init-sigma", args_.init_sigma,
-                    "standard deviations of the position (m) and the heading (deg) of the guess. "
-                    "The search covers 3 standard deviations (default: ranges of the settings)")
+    sub->add_option(
+           "--init-sigma", args_.init_sigma,
+           "standard deviations of the position (m) and the heading (deg) of the guess. "
+           "Poses farther than 3 standard deviations from the guess are neither searched nor "
+           "accepted (default: ranges of the settings)")
         ->type_name("M DEG")
         ->expected(2)
-        ->check(numberIn(0, kMostSigma, "NUMBER"))
+        ->check(numberIn(kLeastSigma, kMostSigma, "NUMBER"))
         ->needs(guess);
     sub->add_flag("--full-6dof", args_.full_6dof,
                   "search all roll and pitch angles, too. Without --full-6dof, both maps must be "
@@ -345,8 +348,8 @@ void addMapCommands(CommandLine& line, Arguments& args) {
                    "output")
       ->type_name("FILE.html");
 
-  auto* info = line.add("info", "Print the contents of a map", "map-fusion info a.ot");
-  line.inputs(info, "MAP", 1, 1);
+  auto* info = line.add("info", "Print the contents of maps", "map-fusion info a.ot");
+  line.inputs(info, "MAPS", 1, kMaxMaps);
 }
 
 void addTeamCommands(CommandLine& line, Arguments& args) {

@@ -100,10 +100,14 @@ void checkWritable(const std::string& path, const std::vector<std::string>& inpu
     throw std::runtime_error(path + ": cannot be written: permission denied");
 }
 
-MapExtension mapExtensionOf(const std::string& path) {
+bool isDevice(const std::string& path) {
   std::error_code ignored;
-  const bool is_device = fs::exists(path, ignored) && !fs::is_regular_file(path, ignored);
-  if (path == mrpt::fusion::kStandardOutput || is_device) return MapExtension::OfMaps;
+  return path == mrpt::fusion::kStandardOutput ||
+         (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored));
+}
+
+MapExtension mapExtensionOf(const std::string& path) {
+  if (isDevice(path)) return MapExtension::OfMaps;
   const fs::path file(path);
   const bool is_packed = file.extension() == ".gz";
   const fs::path extension = is_packed ? file.stem().extension() : file.extension();

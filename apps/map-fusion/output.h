@@ -41,6 +41,9 @@ bool isSameOutput(const std::string& a, const std::string& b);
  * \exception std::runtime_error "<path>: <reason>" if it cannot, or if the file is an input. */
 void checkWritable(const std::string& path, const std::vector<std::string>& inputs);
 
+/** True for devices, pipes and standard output ("-"): their names say nothing of what they take. */
+bool isDevice(const std::string& path);
+
 /** What the extension of a file says of a map that is written there. */
 enum class MapExtension {
   OfMaps,    ///< `.ot`, `.bt`; of MRPT `.gridmap`, `.map`, `.simplemap`, also with `.gz`, and `.gz`

@@ -34,7 +34,7 @@ std::vector<double> parseNumbers(const std::string& text, size_t count, const st
     const auto is_text = [](char c) { return c > ' ' && c <= '~'; };
     if (!std::all_of(word.begin(), word.end(), is_text))  // never the bytes of, say, a picture
       throw std::runtime_error(what + ": there are characters that belong to no number");
-    if (word.back() == ',' && word.size() > 1)
+    if (word.find(',') != std::string::npos)
       throw std::runtime_error(what + ": blanks separate the numbers, not commas");
     numbers.push_back(mrpt::fusion::withPath(what, [&] { return parseNumber(word); }));
   }

@@ -33,7 +33,7 @@ int main(int argc, char** argv) try {
   mrpt::slam::CProbabilisticMapMatching::TReturnInfo info;
   auto pose = pmm.Align3DPDF(&a, &b, mrpt::fusion::noGuess(), info);
   if (!info.evaluation.accepted) {
-    for (const auto& reason : info.evaluation.reasons) std::cerr << reason << "\n";
+    for (const auto& reason : info.evaluation.against()) std::cerr << reason << "\n";
     return 3;
   }
 

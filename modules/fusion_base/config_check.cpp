@@ -12,6 +12,8 @@
 #include <initializer_list>
 #include <sstream>
 
+#include "fusion_base/spelling.h"
+
 namespace mrpt::fusion {
 
 void checkKeys(const mrpt::config::CConfigFileBase& source, const std::string& section,
@@ -21,7 +23,7 @@ void checkKeys(const mrpt::config::CConfigFileBase& source, const std::string& s
   for (const auto& key : keys)
     ASSERTMSG_(std::any_of(known.begin(), known.end(),
                            [&](const auto& k) { return mrpt::system::strCmpI(key, k); }),
-               "[" + section + "] has an unknown key '" + key + "'");
+               "[" + section + "] has an unknown key '" + key + "'" + textOfNearest(key, known));
 }
 
 double readNumber(const mrpt::config::CConfigFileBase& source, const std::string& section,

@@ -14,7 +14,8 @@
 namespace mrpt::fusion {
 
 /** Checks that all keys of a section are in \a known.
- * \exception std::exception "[section] has an unknown key 'key'". */
+ * \exception std::exception "[section] has an unknown key 'key'", with the nearest known
+ * key. */
 void checkKeys(const mrpt::config::CConfigFileBase& source, const std::string& section,
                const std::vector<std::string>& known);
 

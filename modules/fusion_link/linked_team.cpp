@@ -21,8 +21,7 @@ constexpr std::chrono::milliseconds kWaiting{100};
 constexpr std::chrono::milliseconds kWaitingToSend{10};
 /** Longest time for which a robot that leaves sends what still waits. */
 constexpr std::chrono::seconds kFarewell{3};
-/** A robot that finds another robot of its name in this time is the newer of the two, and leaves.
- */
+/** A robot leaves if it finds an older robot of its name in this time after its start. */
 constexpr std::chrono::seconds kNewcomer{10};
 /** Time in which the older of the two finds the newer, too, and can say what has happened. */
 constexpr std::chrono::seconds kBeforeLeaving{1};
@@ -47,9 +46,9 @@ void LinkedTeam::publish(const std::shared_ptr<const octomap::OcTree>& map) {
 LinkedTeam::Progress LinkedTeam::step() {
   Progress progress;
   is_new_ = exchange_.step() || is_new_;
-  if (exchange_.hasTwin() && Clock::now() - begin_ < kNewcomer) {
+  if (const auto age = exchange_.newerAt(); age && *age < kNewcomer) {
     std::this_thread::sleep_for(kBeforeLeaving);
-    throw std::runtime_error(twinText() + ": each robot needs a name of its own");
+    throw std::runtime_error(twin() + ": each robot needs a name of its own");
   }
   const bool is_thinking =
       thinking_.valid() && thinking_.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
@@ -82,7 +81,12 @@ void LinkedTeam::sayFarewell() {
 }
 
 std::string LinkedTeam::twinText() const {
-  return exchange_.hasTwin() ? "another robot of this domain has the name " + printable(name_) : "";
+  const bool may_leave = !exchange_.isOlder() && Clock::now() - begin_ < kNewcomer;
+  return exchange_.hasTwin() && !may_leave ? twin() : "";
+}
+
+std::string LinkedTeam::twin() const {
+  return "another robot of this domain has the name " + printable(name_);
 }
 
 }  // namespace mrpt::fusion

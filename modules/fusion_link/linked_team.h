@@ -40,7 +40,7 @@ class LinkedTeam {
   };
   /** Receives, sends, and fuses if maps have changed.
    * \exception std::runtime_error If the journal cannot be written, or if another robot of the same
-   * name is there and this robot is the newer one. */
+   * name is there, this robot started later, and met it in its first 10 s. */
   Progress step();
   /** Waits until samples arrive, at most 100 ms. */
   void wait();
@@ -54,12 +54,15 @@ class LinkedTeam {
   std::string takeReason() { return exchange_.takeReason(); }    ///< See TeamExchange
   /** Returns true if all that has arrived is in knowledge(). */
   bool isSettled() const { return !thinking_.valid() && !is_new_; }
-  /** Returns what is wrong with the name of this robot; empty if nothing is. */
+  /** Returns what is wrong with the name of this robot; empty if nothing is, or if it is not yet
+   * clear whether this robot leaves. */
   std::string twinText() const;
 
  private:
-  std::string name_;
+  std::string twin() const;
+
   const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  std::string name_;
   std::unique_ptr<Link> link_;
   TeamExchange exchange_;
   std::unique_ptr<TeamView> view_;  // of the thread that fuses; null: this robot does not fuse

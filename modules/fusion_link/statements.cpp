@@ -103,7 +103,7 @@ Sample sampleOf(std::string_view bytes) {
   Sample sample;
   sample.key.source = takeSource(in);
   const auto kind = in.take<uint8_t>();
-  if (kind > static_cast<uint8_t>(SampleKind::Block))
+  if (kind > static_cast<uint8_t>(SampleKind::Claim))
     corrupt("a sample is corrupt: it is of no known kind");
   sample.key.kind = static_cast<SampleKind>(kind);
   sample.key.number = in.take<uint64_t>();

@@ -22,11 +22,17 @@ constexpr uint64_t kMostClaim = kMostVersion / 2;
 
 bool isStatement(SampleKind kind) { return kind == SampleKind::Have || kind == SampleKind::Want; }
 
+/** Returns a number other than 0. */
+uint64_t randomNumber() {
+  std::random_device random;
+  return (uint64_t{random()} << 32U | random()) | 1U;
+}
+
 }  // namespace
 
 TeamExchange::TeamExchange(std::string robot, Link& link, const std::string& journal_folder,
                            ExchangeLimits limits)
-    : own_{std::move(robot), {}}, link_(link), limits_(limits) {
+    : own_{std::move(robot), {}}, link_(link), limits_(limits), name_(randomNumber()) {
   if (!isName(own_.robot) || own_.robot.empty())
     throw std::runtime_error("the name of a robot has 1 to " + std::to_string(kMostNameCharacters) +
                              " printable characters");
@@ -110,7 +116,8 @@ void TeamExchange::state(const std::string& robot, SampleKind kind, uint64_t num
 /** Begins and ends sessions. */
 void TeamExchange::meet() {
   const auto sessions = link_.sessions();
-  has_twin_ = sessions.count(own_.robot) > 0;
+  const auto twin = sessions.find(own_.robot);
+  meetTwin(twin == sessions.end() ? 0 : twin->second);
   for (auto peer = peers_.begin(); peer != peers_.end();) {
     const auto session = sessions.find(peer->first);
     const bool lasts = session != sessions.end() && session->second == peer->second.session;
@@ -128,6 +135,32 @@ void TeamExchange::meet() {
     const bool is_new = wanted == wanted_.end();
     stateWanted(robot, peer, is_new ? WantedBlocks{{}, {}, asks_for_outlines_} : wanted->second);
   }
+}
+
+/** Says its age to a robot of the same name, if its session is new. Nothing else is said to it. */
+void TeamExchange::meetTwin(uint64_t session) {
+  if (session == twin_session_) return;
+  twin_session_ = session;
+  outbox_.close(own_.robot);
+  if (session == 0) return;
+  outbox_.open(own_.robot);
+  state(own_.robot, SampleKind::Claim, 0, toBytes(name_.claim(age())));
+}
+
+void TeamExchange::settleName(const Sample& claim) {
+  if (const auto answer = name_.hear(nameClaimOf(claim.bytes), age()))
+    state(own_.robot, SampleKind::Claim, answer->other, toBytes(*answer));
+}
+
+int64_t TeamExchange::age() const {
+  using std::chrono::microseconds;
+  return std::chrono::duration_cast<microseconds>(std::chrono::steady_clock::now() - begin_)
+      .count();
+}
+
+std::optional<std::chrono::microseconds> TeamExchange::newerAt() const {
+  const auto age = name_.newerAt();
+  return age ? std::optional(std::chrono::microseconds(*age)) : std::nullopt;
 }
 
 bool TeamExchange::step() {
@@ -168,6 +201,10 @@ bool TeamExchange::receive(const Sample& sample) {
   const bool is_own = source.robot == own_.robot;
   if (isStatement(sample.key.kind)) {
     if (!is_own) hear(sample);
+    return false;
+  }
+  if (sample.key.kind == SampleKind::Claim) {
+    if (is_own) settleName(sample);
     return false;
   }
   if (is_own) corrupt("another robot has the name of this robot");

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "fusion_link/journal.h"
 #include "fusion_link/map_replica.h"
+#include "fusion_link/name_dispute.h"
 #include "fusion_link/outbox.h"
 #include "fusion_link/sent_map.h"
 #include "fusion_link/statements.h"
@@ -63,7 +66,12 @@ class TeamExchange {
   /** Returns true if something waits for a robot that is there and wants it. */
   bool isWaiting() const { return outbox_.isWaiting(); }
   /** True if another robot that is there has the name of this robot. */
-  bool hasTwin() const { return has_twin_; }
+  bool hasTwin() const { return twin_session_ != 0; }
+  /** Returns the age at which this robot first heard of a robot of its name that started earlier.
+   * Nothing if there is none. */
+  std::optional<std::chrono::microseconds> newerAt() const;
+  /** True if a robot of its name is or was there that started later. */
+  bool isOlder() const { return name_.isOlder(); }
   /** Returns the versions that other robots have of this robot's map, by their names. */
   const std::map<std::string, uint64_t>& acknowledged() const { return acknowledged_; }
   /** Returns the number of samples that were refused. */
@@ -81,6 +89,9 @@ class TeamExchange {
   };
 
   void meet();
+  void meetTwin(uint64_t session);
+  void settleName(const Sample& claim);
+  int64_t age() const;
   void receive(const std::string& message, std::vector<Sample>& fresh);
   bool receive(const Sample& sample);
   bool keep(const Sample& sample);
@@ -104,7 +115,9 @@ class TeamExchange {
   bool asks_for_outlines_ = false;
   std::map<std::string, uint64_t> acknowledged_;
   uint64_t highest_heard_ = 0;  // highest version of this robot's map that others have
-  bool has_twin_ = false;
+  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  NameDispute name_;
+  uint64_t twin_session_ = 0;  // with a robot of the same name; 0: none
   size_t refused_ = 0;
   std::string reason_;
 };

@@ -188,6 +188,10 @@ std::string toJson(const Report& r) {
     Json member = {{"robot", m.robot}, {"joined", m.joined}};
     if (m.joined) member["counts"] = textOf(m.counting);
     if (!m.counted_with.empty()) member["counts_with"] = m.counted_with;
+    if (!m.hasMatch() && m.joined) {  // the frame of the fused map is that of this map
+      member["pose"] = poseJson(m.pose.mean);
+      member["probability"] = nullptr;
+    }
     if (m.hasMatch()) {
       member["matched_with"] = m.matched_with;
       if (!m.fits.empty()) member["fits"] = m.fits;

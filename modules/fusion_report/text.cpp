@@ -27,26 +27,51 @@ __attribute__((format(printf, 2, 3))) void line(std::ostream& out, const char* f
   out << printable(text) << "\n";  // names of robots and files are from outside
 }
 
-constexpr size_t kWidestName = 40;  // longer names move the columns behind them
+/** Returns the number of characters of a printable text, which is UTF-8. */
+size_t charactersOf(const std::string& text) {
+  return static_cast<size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80;
+  }));
+}
+
+/** A column of names. Very long names move the columns behind them. */
+class NameColumn {
+ public:
+  explicit NameColumn(size_t least) : width_(least) {}
+  void makeRoomFor(const std::string& name) {
+    constexpr size_t kWidest = 40;
+    width_ = std::max(width_, std::min(charactersOf(printable(name)), kWidest));
+  }
+  int width() const { return static_cast<int>(width_); }
+  /** Returns a name as it is printed, filled up with blanks. */
+  std::string of(const std::string& name) const {
+    const std::string shown = printable(name);
+    const size_t characters = charactersOf(shown);
+    return shown + std::string(width_ - std::min(width_, characters), ' ');
+  }
+
+ private:
+  size_t width_;
+};
 
 void printMaps(const Report& r, std::ostream& out) {
-  size_t width = 12;
-  for (const auto& m : r.maps) width = std::max(width, std::min(m.role.size(), kWidestName));
-  const auto w = static_cast<int>(width);
+  NameColumn names(12);
+  for (const auto& m : r.maps) names.makeRoomFor(m.role);
+  const int w = names.width();
   line(out, "%-*s   voxel   occupied       free   mean entropy (nats)   size", w + 2, "maps");
   line(out, "%-*s       m     voxels     voxels   occupied    known     m", w + 2, "");
   for (const auto& m : r.maps) {
     const auto& s = m.statistics;
-    line(out, "  %-*s %7.3f %10zu %10zu   %8.4f %8.4f     %.1f x %.1f x %.1f", w, m.role.c_str(),
-         m.resolution, s.occupied, s.free, s.mean_entropy_occupied, s.mean_entropy_known,
-         m.high[0] - m.low[0], m.high[1] - m.low[1], m.high[2] - m.low[2]);
+    line(out, "  %s %7.3f %10zu %10zu   %8.4f %8.4f     %.1f x %.1f x %.1f",
+         names.of(m.role).c_str(), m.resolution, s.occupied, s.free, s.mean_entropy_occupied,
+         s.mean_entropy_known, m.high[0] - m.low[0], m.high[1] - m.low[1], m.high[2] - m.low[2]);
   }
   for (const auto& m : r.maps) {
     if (m.sources.size() < 2) continue;
-    std::string names;
+    std::string sources;
     for (const SourceId& s : m.sources)
-      names += (names.empty() ? "" : ", ") + (s.robot.empty() ? s.map : s.robot);
-    line(out, "sources of %s: %s", m.role.c_str(), names.c_str());
+      sources += (sources.empty() ? "" : ", ") + (s.robot.empty() ? s.map : s.robot);
+    line(out, "sources of %s: %s", m.role.c_str(), sources.c_str());
   }
 }
 
@@ -61,11 +86,12 @@ void printReasons(const Evaluation& e, std::ostream& out) {
         << printable(e.reasons[i]) << "\n";
 }
 
-void printMember(const FusionMember& m, std::ostream& out) {
-  if (!m.hasMatch()) return line(out, "%-16s first map, its frame is kept", m.robot.c_str());
+void printMember(const FusionMember& m, const NameColumn& names, std::ostream& out) {
+  const std::string name = names.of(m.robot);
+  if (!m.hasMatch()) return line(out, "%s first map, its frame is kept", name.c_str());
   const auto& e = m.alignment.evaluation;
   const std::string sure = m.alignment.by_edges ? "" : ", probability " + percent(e.probability);
-  line(out, "%-16s %s%s, pose %s, overlap %.1f %%%s", m.robot.c_str(),
+  line(out, "%s %s%s, pose %s, overlap %.1f %%%s", name.c_str(),
        m.alignment.by_edges ? "placed by edges" : verdictOf(e),
        m.joined && !e.accepted ? ", forced" : "", poseText(m.pose.mean).c_str(), 100 * e.overlap,
        sure.c_str());
@@ -77,7 +103,7 @@ void printMatch(const Alignment& info, std::ostream& out) {
   size_t edge_iterations = 0;
   for (const auto& i : info.match.iterations) edge_iterations += i.level == Level::Edge ? 1 : 0;
   if (!info.match.iterations.empty()) {
-    line(out, "edge voxels      %zu in A, %zu in B", info.edges_a, info.edges_b);
+    line(out, "edges compared   %zu of A, %zu of B", info.edges_a, info.edges_b);
     line(out, "iterations       %zu on edges, %zu on voxels", edge_iterations,
          info.match.iterations.size() - edge_iterations);
   }
@@ -127,7 +153,9 @@ void print(const Report& r, std::ostream& out) {
     line(out, "pose of B in A   %s  (m, deg: x y z yaw pitch roll)",
          poseText(r.pose->mean).c_str());
   if (r.match) printMatch(*r.match, out);
-  for (const auto& member : r.members) printMember(member, out);
+  NameColumn names(kValueColumn - 1);
+  for (const auto& member : r.members) names.makeRoomFor(member.robot);
+  for (const auto& member : r.members) printMember(member, names, out);
   if (r.key_frames) line(out, "joined           %zu key frames", *r.key_frames);
   if (r.bytes) line(out, "size             %zu bytes", *r.bytes);
   if (!r.policy.empty()) line(out, "merged by        %s", r.policy.c_str());

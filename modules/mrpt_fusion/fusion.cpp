@@ -55,9 +55,10 @@ Fused::Fused(Alignment alignment, std::shared_ptr<const CProbOctoMap> map)
     : alignment_(std::move(alignment)), map_(std::move(map)) {}
 
 std::string Fused::why() const {
+  const Evaluation& e = alignment_.evaluation;
   std::string all;
-  for (const auto& reason : alignment_.evaluation.reasons)
-    all += (all.empty() ? "" : "; ") + reason;
+  for (size_t i = 0; i < e.reasons.size(); i++)
+    if (e.accepted || i < e.reasons_against) all += (all.empty() ? "" : "; ") + e.reasons[i];
   return all;
 }
 

@@ -91,11 +91,15 @@ std::vector<Robot> robotsOfList(const py::iterable& maps) {
   return robots;
 }
 
-/** Returns the robots of a dict of maps by name, or of a list of maps. */
-std::vector<Robot> robotsOf(const py::object& maps) {
+/** \exception pybind11::type_error If the maps are neither a list nor a dict. */
+void checkMaps(const py::object& maps) {
   if (py::isinstance<py::str>(maps) || py::isinstance<py::bytes>(maps) ||
       !py::isinstance<py::iterable>(maps))
     throw py::type_error("maps is a list or a dict: fuse([a, b])");
+}
+
+/** Returns the robots of a dict of maps by name, or of a list of maps. */
+std::vector<Robot> robotsOf(const py::object& maps) {
   std::vector<Robot> robots;
   if (py::isinstance<py::dict>(maps)) {
     for (const auto& [name, map] : py::reinterpret_borrow<py::dict>(maps))
@@ -144,9 +148,9 @@ Fusion fuseTeam(const std::vector<Robot>& robots,
   return fusion;
 }
 
-Fusion fuse(const py::object& maps, const std::optional<DoubleArray>& guess,
-            const std::optional<Sigma>& sigma, const Poses& poses, const py::object& options,
-            bool independent) {
+Fusion fuse(const py::object& maps, const py::object& guess, const py::object& sigma,
+            const Poses& poses, const py::object& options, bool independent) {
+  checkMaps(maps);  // in fuse(a, b), b is no guess
   Settings settings = settingsOf(options);
   settings.options.merge.independent = independent;
   const mrpt::fusion::Prior prior = priorOf(guess, sigma);
@@ -163,7 +167,8 @@ Fusion fuse(const py::object& maps, const std::optional<DoubleArray>& guess,
       std::none_of(robots.begin(), robots.end(), [](const Robot& r) {
         return r.map->isEdgesAlone() || !mrpt::fusion::Prior(r.map->origin().pose).isNone();
       });
-  if (guess && !is_pair) throw py::value_error("guess is for two maps; give poses of more maps");
+  if (!guess.is_none() && !is_pair)
+    throw py::value_error("guess is for two maps; give poses of more maps");
   const py::gil_scoped_release release;
   return is_pair ? fusePair(robots, prior, settings) : fuseTeam(robots, known, settings);
 }
@@ -198,11 +203,11 @@ std::vector<std::string> reasonsOf(const Fusion& fusion) {
   return reasons;
 }
 
-size_t reasonsAgainst(const Fusion& fusion) {
-  if (fusion.match) return fusion.match->alignment.evaluation.reasons_against;
+std::vector<std::string> reasonsAgainst(const Fusion& fusion) {
+  if (fusion.match) return fusion.match->alignment.evaluation.against();
   std::vector<std::string> reasons;
   addReasons(fusion, true, reasons);
-  return reasons.size();
+  return reasons;
 }
 
 std::string textOf(const Fusion& fusion) {
@@ -238,7 +243,11 @@ const char* nameOf(mrpt::fusion::Counting counting) {
 }
 
 void bindMember(py::module_& m) {
-  py::class_<FusionMember> member(m, "Member", "The result for one robot's map in a team.");
+  py::class_<FusionMember> member(
+      m, "Member",
+      "The result for one robot's map in a team. The first map keeps its "
+      "frame and has no match: its probability and all other figures of "
+      "a match are None.");
   member.def_readonly("robot", &FusionMember::robot, "Name of the robot.")
       .def_readonly("joined", &FusionMember::joined, "True if the map is part of the fused map.")
       .def_property_readonly(
@@ -257,8 +266,9 @@ void bindMember(py::module_& m) {
           "counting", [](const FusionMember& self) { return nameOf(self.counting); },
           "How the map counts in the fused map: 'all', 'unknown_space', 'none' or 'copy'.")
       .def("__repr__", py::overload_cast<const FusionMember&>(&textOf));
-  addVerdict(
-      member, [](const FusionMember& self) -> const auto& { return self.alignment.evaluation; });
+  addVerdict(member, [](const FusionMember& self) {
+    return self.hasMatch() ? &self.alignment.evaluation : nullptr;
+  });
   py::class_<TeamPair>(m, "Pair", "The match of two maps of a team.")
       .def_readonly("a", &TeamPair::a, "Robot whose map is map A.")
       .def_readonly("b", &TeamPair::b, "Robot whose map is map B.")
@@ -301,9 +311,12 @@ void bindFusion(py::module_& m) {
       .def_property_readonly("reasons", &reasonsOf,
                              "Reasons of the verdict: a list of sentences, first all reasons "
                              "against the poses. In a team they begin with the name of the robot.")
-      .def_property_readonly("reasons_against", &reasonsAgainst,
-                             "Number of the first reasons that speak against the poses or name "
-                             "lacking evidence.")
+      .def_property_readonly(
+          "reasons_against", [](const Fusion& self) { return reasonsAgainst(self).size(); },
+          "Number of the first reasons that speak against the poses or name lacking evidence.")
+      .def_property_readonly("against", &reasonsAgainst,
+                             "Reasons that speak against the poses or name lacking evidence: a "
+                             "list of sentences.")
       .def_readonly("match", &Fusion::match, "Match of two maps. None for a team.")
       .def_readonly("members", &Fusion::members,
                     "Results of all maps of a team: a list of Member. Empty for two maps.")

@@ -24,8 +24,8 @@ Match matchPair(MapPtr a, MapPtr b, const mrpt::fusion::Prior& prior, const Sett
 
 namespace {
 
-Match matchMaps(const py::object& a, const py::object& b, const std::optional<DoubleArray>& guess,
-                const std::optional<Sigma>& sigma, const py::object& options) {
+Match matchMaps(const py::object& a, const py::object& b, const py::object& guess,
+                const py::object& sigma, const py::object& options) {
   const Settings settings = settingsOf(options);
   const mrpt::fusion::Prior prior = priorOf(guess, sigma);
   const MapPtr map_a = mapOf(a), map_b = mapOf(b);
@@ -33,10 +33,10 @@ Match matchMaps(const py::object& a, const py::object& b, const std::optional<Do
   return matchPair(map_a, map_b, prior, settings);
 }
 
-Match evaluatePose(const py::object& a, const py::object& b, const DoubleArray& pose,
+Match evaluatePose(const py::object& a, const py::object& b, const py::object& pose,
                    const py::object& options) {
   Match match{"evaluate", mapOf(a), mapOf(b), settingsOf(options)};
-  const auto T_a_b = mrpt::fusion::toPose(poseOf(pose));
+  const auto T_a_b = mrpt::fusion::toPose(poseOf(pose, "pose"));
   const py::gil_scoped_release release;
   match.alignment =
       mrpt::fusion::evaluate(match.a->prepared(match.settings), match.b->prepared(match.settings),
@@ -96,8 +96,7 @@ p_a = pose @ p_b. match() and evaluate() return it.
           "by_edges", [](const Match& self) { return self.alignment.by_edges; },
           "True if only edges were compared. Such a match is never accepted.")
       .def("__repr__", py::overload_cast<const Match&>(&textOf));
-  addVerdict(
-      match, [](const Match& self) -> const auto& { return self.alignment.evaluation; });
+  addVerdict(match, [](const Match& self) { return &self.alignment.evaluation; });
 
   m.def("match", &matchMaps, py::arg("a"), py::arg("b"), py::arg("guess") = py::none(),
         py::arg("guess_sigma") = py::none(), py::arg("options") = py::dict(),

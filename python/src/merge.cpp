@@ -31,11 +31,11 @@ void warnOf(const std::string& map, Counting counting) {
        " (independent=True counts all)");
 }
 
-py::object merge(const py::object& a, const py::object& b, const DoubleArray& pose,
+py::object merge(const py::object& a, const py::object& b, const py::object& pose,
                  const py::object& options, bool independent) {
   Settings settings = settingsOf(options);
   settings.options.merge.independent = independent;
-  const Eigen::Isometry3d T_a_b = poseOf(pose);
+  const Eigen::Isometry3d T_a_b = poseOf(pose, "pose");
   const MapPtr map_a = mapOf(a), map_b = mapOf(b);
   Merged merged;
   {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <utility>
 
 using mrpt::fusion::Prior;
 using mrpt::fusion::toEigen;
@@ -25,18 +26,31 @@ Eigen::Isometry3d poseOf(const DoubleArray& matrix) {
   }
 }
 
+Eigen::Isometry3d poseOf(const py::object& pose, const std::string& name) {
+  const auto matrix = DoubleArray::ensure(pose);
+  if (!matrix)
+    throw py::type_error(name + " is a 4x4 matrix: an array of numpy, or 4 lists of 4 numbers");
+  return poseOf(matrix);
+}
+
 py::array_t<double> covarianceArrayOf(const mrpt::poses::CPose3DPDFGaussian& pose) {
   return arrayOf(mrpt::fusion::fromYawPitchRollCovariance(pose.cov.asEigen(), toEigen(pose.mean)));
 }
 
-Prior priorOf(const std::optional<DoubleArray>& guess, const std::optional<Sigma>& sigma) {
-  if (!guess) {
-    if (sigma) throw py::value_error("guess_sigma needs a guess");
+Prior priorOf(const py::object& guess, const py::object& sigma) {
+  if (guess.is_none()) {
+    if (!sigma.is_none()) throw py::value_error("guess_sigma needs a guess");
     return Prior::none();
   }
-  const mrpt::poses::CPose3D pose = toPose(poseOf(*guess));
-  return sigma ? Prior::within(pose, sigma->first, mrpt::DEG2RAD(sigma->second))
-               : Prior::near(pose);
+  const mrpt::poses::CPose3D pose = toPose(poseOf(guess, "guess"));
+  if (sigma.is_none()) return Prior::near(pose);
+  try {
+    const auto [position, heading] = sigma.cast<std::pair<double, double>>();
+    return Prior::within(pose, position, mrpt::DEG2RAD(heading));
+  } catch (const py::cast_error&) {
+    throw py::type_error(
+        "guess_sigma is a pair: standard deviations of the position (m) and of the heading (deg)");
+  }
 }
 
 }  // namespace mrpt_fusion_python

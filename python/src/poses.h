@@ -21,6 +21,9 @@ using DoubleArray = py::array_t<double, py::array::c_style | py::array::forcecas
 
 /** Returns a pose. \exception pybind11::value_error If it is not a rigid 4x4 matrix. */
 Eigen::Isometry3d poseOf(const DoubleArray& matrix);
+/** Returns the pose that an argument is. \param[in] name Name of the argument.
+ * \exception pybind11::type_error If it holds no numbers, or see above. */
+Eigen::Isometry3d poseOf(const py::object& pose, const std::string& name);
 
 /** Returns a matrix as an array of numpy. */
 template <class Matrix>
@@ -38,11 +41,9 @@ inline py::array_t<double> arrayOf(const Eigen::Isometry3d& T) {
 /** Returns the covariance of a left perturbation (translation, rotation; m, rad) as a 6x6 array. */
 py::array_t<double> covarianceArrayOf(const mrpt::poses::CPose3DPDFGaussian& pose);
 
-/** Standard deviations of a guess: position, m, and heading, deg. */
-using Sigma = std::pair<double, double>;
-
-/** Returns what a guess says about the pose of B in A, as --init and --init-sigma do. */
-mrpt::fusion::Prior priorOf(const std::optional<DoubleArray>& guess,
-                            const std::optional<Sigma>& sigma);
+/** Returns what a guess says about the pose of B in A, as --init and --init-sigma do.
+ * \param[in] guess A pose, or None. \param[in] sigma Standard deviations of the position, m, and of
+ * the heading, deg; or None. \exception pybind11::type_error If they are something else. */
+mrpt::fusion::Prior priorOf(const py::object& guess, const py::object& sigma);
 
 }  // namespace mrpt_fusion_python

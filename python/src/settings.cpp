@@ -16,6 +16,7 @@
 #include "bindings.h"
 #include "fusion_base/error_text.h"
 #include "fusion_base/files.h"
+#include "fusion_base/spelling.h"
 
 using mrpt::fusion::kVerdictModelSection;
 using mrpt::fusion::Options;
@@ -106,11 +107,8 @@ void checkKeys(const mrpt::config::CConfigFileBase& settings,
   const std::vector<std::string> known = keysOf(defaults, section);
   for (const std::string& key : keysOf(settings, section)) {
     if (defaults.keyExists(section, key)) continue;
-    const py::list nearest =
-        py::module_::import("difflib").attr("get_close_matches")(key, known, 1);
-    throw std::runtime_error(
-        "[" + section + "] has an unknown key '" + key + "'" +
-        (nearest.empty() ? "" : "; the nearest is '" + nearest[0].cast<std::string>() + "'"));
+    throw std::runtime_error("[" + section + "] has an unknown key '" + key + "'" +
+                             mrpt::fusion::textOfNearest(key, known));
   }
 }
 

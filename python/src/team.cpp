@@ -72,11 +72,11 @@ class Team {
   std::shared_ptr<Fusion> result_;
 };
 
-void set(Team& team, const std::string& robot, const py::object& map,
-         const std::optional<DoubleArray>& pose) {
+void set(Team& team, const std::string& robot, const py::object& map, const py::object& pose) {
   const MapPtr loaded = mapOf(map);
-  const auto guess = pose ? mrpt::poses::CPose3DPDFGaussian(mrpt::fusion::toPose(poseOf(*pose)))
-                          : loaded->origin().pose;
+  const auto guess =
+      pose.is_none() ? loaded->origin().pose
+                     : mrpt::poses::CPose3DPDFGaussian(mrpt::fusion::toPose(poseOf(pose, "pose")));
   const py::gil_scoped_release release;
   team.set(robot, loaded, guess);
 }

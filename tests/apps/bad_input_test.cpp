@@ -132,6 +132,7 @@ TEST_F(BadInput, PosesThatAreAlmostRightSayWhatIsMissing) {
   for (const auto& [pose, said] : std::vector<std::pair<std::string, std::string>>{
            {"'1 2 3 4 5 6'", "six numbers need [ ]"},
            {"'[1, 2, 3, 4, 5, 6]'", "blanks separate the numbers, not commas"},
+           {"'[1,2,3,4,5,6]'", "blanks separate the numbers, not commas"},
            {pair("map_b.ot"), "is a map, not a pose"}})
     expectFailure("match " + both() + " --init " + pose, said);
 }

@@ -72,6 +72,7 @@ TEST_F(Fusing, LooksAsFarAsTheGuessIsSaidToBeOff) {
   expectNearTruth(dir_ / "T.txt");
   EXPECT_EQ(mapFusion(arguments + " --init-sigma 0.1 1").code, 3);
   EXPECT_EQ(mapFusion(arguments + " --init-sigma -1 1").code, 2);
+  EXPECT_EQ(mapFusion(arguments + " --init-sigma 1 0").code, 2) << "no guess is perfect";
   EXPECT_EQ(mapFusion(arguments + " --init-sigma 1").code, 2);
   EXPECT_EQ(mapFusion("match " + both() + " --init-sigma 1 1").code, 2) << "of which guess?";
 }

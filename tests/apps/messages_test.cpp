@@ -85,6 +85,7 @@ TEST_F(Messages, NameTheFormatsOfMapsIfTheExtensionIsOfOtherFiles) {
     EXPECT_FALSE(fs::exists(dir_ / unknown));
   }
   expectLine("fuse " + both() + " -o fused.pcd", 2, "fused.pcd: fuse writes maps");
+  expectLine("fuse " + both() + " -o fused.bt.gz", 2, "It does not pack octrees: gzip does");
   expectLine("edges " + pair("map_a.ot") + " -o edges.pcd", 2, ".ply or .gridmap");
   for (const std::string known :
        {"moved.ot", "moved.bt", "moved.gridmap", "moved.gz", "moved.gridmap.gz", "-", "/dev/null"})
@@ -94,6 +95,40 @@ TEST_F(Messages, NameTheFormatsOfMapsIfTheExtensionIsOfOtherFiles) {
     EXPECT_EQ(r.code, 0);
     EXPECT_TRUE(says(r.err, unknown + ": is written as an object of MRPT")) << r.err;
   }
+}
+
+TEST_F(Messages, NameTheExtensionsOfDrawings) {
+  const std::string match = "match " + both() + " -q ";
+  for (const auto& [option, said] : std::vector<std::pair<std::string, std::string>>{
+           {"--picture p.jpg", "p.jpg: a picture ends in .png"},
+           {"--report p.txt", "p.txt: a page ends in .html"},
+           {"--report p", "p: a page ends in .html"},
+           {"--scene p.3ds", "p.3ds: a scene ends in .3Dscene"}}) {
+    expectLine(match + option, 2, said);
+    EXPECT_EQ(run("ls p.* p 2>/dev/null").out, "") << option;
+  }
+  EXPECT_EQ(mapFusion(match + "--picture /dev/null").code, 0) << "a device has no extension";
+}
+
+TEST_F(Messages, SayWhatSeveralMapsHold) {
+  fs::create_directory(dir_ / "b");
+  fs::copy(pair("map_b.ot"), dir_ / "b/map_a.ot");
+  const auto r = mapFusion("info " + pair("map_a.ot") + " b/map_a.ot");
+  EXPECT_EQ(r.code, 0) << r.err;
+  for (const std::string pair_of : {"map_a.ot", "map_b.ot"}) {
+    const std::string one = mapFusion("info " + pair(pair_of)).out;
+    const size_t figures = one.find(" 0.100 ");
+    ASSERT_NE(figures, std::string::npos) << one;
+    const std::string row = one.substr(figures, one.find('\n', figures) - figures);
+    EXPECT_TRUE(says(r.out, row)) << r.out;
+  }
+  EXPECT_TRUE(says(r.out, "b_map_a")) << "files of one name have their folders\n" << r.out;
+}
+
+TEST_F(Messages, MisspeltSettingsNameTheNearest) {
+  writeFile(dir_ / "c.ini", "[ProbabilisticMapMatching]\nserch_translation = 3\n");
+  expectLine("match " + both() + " --config c.ini", 1,
+             "has an unknown key 'serch_translation'; the nearest is 'search_translation'");
 }
 
 TEST_F(Messages, SayThatAnOptionHasNoEffect) {

@@ -92,8 +92,9 @@ TEST_F(PagesOfTheApp, FollowTheRulesOfOutputs) {
   EXPECT_EQ(mapFusion(merge + "- --report -").code, 2);
   EXPECT_EQ(mapFusion(merge + "x.ot --report y --json y").code, 2);
   EXPECT_EQ(mapFusion(merge + "x.ot --report no/such/folder.html").code, 1);
-  fs::copy(pair("map_a.ot"), dir_ / "a.ot");
-  const auto r = mapFusion("match a.ot " + pair("map_b.ot") + " --report a.ot");
+  EXPECT_EQ(mapFusion("match " + both() + " --report a.ot").code, 2) << "no name of a page";
+  fs::copy(pair("map_a.ot"), dir_ / "a.html");
+  const auto r = mapFusion("match a.html " + pair("map_b.ot") + " --report a.html");
   EXPECT_EQ(r.code, 1);
   EXPECT_NE(r.err.find("is an input"), std::string::npos) << r.err;
   const auto piped = mapFusion(merge + "x.ot --report -");

@@ -105,6 +105,22 @@ TEST_F(PointClouds, AreMatchedMergedAndMoved) {
   EXPECT_EQ(infoOf("moved.ot").at("resolution_m"), 0.2);
 }
 
+TEST_F(PointClouds, InMillimetresAreNotAccepted) {
+  // The points are a grid of voxels. In voxels of 0.1 m they lie apart, and fit at all steps of it.
+  for (const std::string map : {"a", "b"}) {
+    Points points = pointsOf("map_" + map + ".ot");
+    for (point3d& p : points) p *= 1000;
+    writeFile(dir_ / (map + ".pcd"), pcdFile(points, "binary"));
+  }
+  for (const std::string rotations : {"", " --full-6dof"}) {
+    const auto r = mapFusion("match a.pcd b.pcd" + rotations);
+    EXPECT_EQ(r.code, 3) << r.out;
+    EXPECT_NE(r.out.find("% of the occupied voxels of map A touch no other"), std::string::npos)
+        << r.out;
+    EXPECT_EQ(r.out.find("pass --full-6dof"), std::string::npos) << r.out;
+  }
+}
+
 TEST_F(PointClouds, NoteWhatIsLeftOut) {
   Points points = pointsOf("map_a.ot");
   points.emplace_back(std::nanf(""), 0, 0);

@@ -154,6 +154,26 @@ TEST_F(Page, IsTurnedByKeysAndCutByItsSliders) {
   });
 }
 
+TEST_F(Page, ShowsAllAfterTheWindowHasChangedUntilTheUserMoves) {
+  ASSERT_EQ(
+      mapFusion("match " + coarse() + " --init " + guess(1, 10) + " --report page.html -q").code,
+      0);
+  open("page.html");
+  browser().evaluate("document.querySelector('#stage canvas').focus()");
+  const auto isReset = [&] {
+    const auto before = browser().evaluate(kPicture);
+    browser().press("0");
+    return browser().evaluate(kPicture) == before;
+  };
+  for (const int width : {1100, 1700, 700}) {
+    browser().resize(width, 800);
+    EXPECT_TRUE(isReset()) << width;
+  }
+  browser().press("ArrowLeft");
+  browser().resize(1500, 800);
+  EXPECT_FALSE(isReset()) << "the user's view stays";
+}
+
 TEST_F(Page, StepsThroughTheRivals) {
   // At a wrong place, other poses agree nearly as well.
   ASSERT_EQ(mapFusion("match " + coarse() +

@@ -37,7 +37,9 @@ TEST(CheckKeys, PassesKnownKeysWhateverTheirCase) {
 
 TEST(CheckKeys, NamesTheUnknownKey) {
   EXPECT_EQ(errorOf([] { checkKeys(fileOf("first = 1\nfrist = 2"), "s", {"first"}); }),
-            "[s] has an unknown key 'frist'");
+            "[s] has an unknown key 'frist'; the nearest is 'first'");
+  EXPECT_EQ(errorOf([] { checkKeys(fileOf("colour = 2"), "s", {"first"}); }),
+            "[s] has an unknown key 'colour'");
   EXPECT_NE(errorOf([] { checkKeys(fileOf("first = 1"), "s", {}); }), "");
 }
 

@@ -127,7 +127,8 @@ TEST(Parameters, ErrorsNameSectionKeyValueAndRange) {
 }
 
 TEST(Parameters, AnUnknownKeyIsNamedAndNothingIsLoaded) {
-  EXPECT_EQ(errorOfLoading("lenght = 1"), "[stage] has an unknown key 'lenght'");
+  EXPECT_EQ(errorOfLoading("lenght = 1"),
+            "[stage] has an unknown key 'lenght'; the nearest is 'length'");
   Stage stage;
   EXPECT_THROW(stage.load("length = 1\nlenght = 1"), std::exception);
   EXPECT_EQ(stage.length, 0.5);

@@ -79,19 +79,25 @@ class SimulatedNetwork::Port : public Link {
     for (const Port* other : network_.ports_)
       if (const auto found = network_.sessions_.find({this, other});
           found != network_.sessions_.end())
-        sessions[other->name_] = found->second;
+        sessions[other->name_] = std::max(sessions[other->name_], found->second);
     return sessions;
   }
   bool send(const std::string& robot, const std::string& message) override {
     if (message.size() > kMostMessageBytes) throw std::logic_error("too large a message");
+    const Port* latest = nullptr;  // of the robots with this name
+    uint64_t session = 0;
     for (const Port* other : network_.ports_) {
-      if (other->name_ != robot || network_.sessions_.count({this, other}) == 0) continue;
-      auto& way = network_.on_the_way_[{this, other}];
-      if (way.size() >= network_.quality_.most_sent) return false;
-      way.push_back(message);
-      return true;
+      const auto found = network_.sessions_.find({this, other});
+      if (other->name_ != robot || found == network_.sessions_.end() || found->second < session)
+        continue;
+      latest = other;
+      session = found->second;
     }
-    return false;
+    if (!latest) return false;
+    auto& way = network_.on_the_way_[{this, latest}];
+    if (way.size() >= network_.quality_.most_sent) return false;
+    way.push_back(message);
+    return true;
   }
   std::vector<std::string> receive(size_t most) override {
     const size_t n = std::min(most, arrived_.size());

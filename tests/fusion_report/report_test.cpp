@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <string>
 
@@ -158,11 +159,35 @@ TEST(ReportAsJson, HoldsTheRobotsOfATeam) {
   EXPECT_EQ(robots[0].at("robot"), "first");
   EXPECT_TRUE(robots[0].at("joined"));
   EXPECT_FALSE(robots[0].contains("match")) << "the others are matched with the first map";
+  EXPECT_EQ(robots[0].at("pose").at("matrix"),
+            Json::parse("[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]"));
+  EXPECT_TRUE(robots[0].at("probability").is_null()) << "its pose is given, not found";
+  EXPECT_FALSE(robots[0].contains("covariance"));
   EXPECT_FALSE(robots[1].at("joined"));
   EXPECT_EQ(robots[1].at("match").at("pairs"), 100);
   EXPECT_EQ(robots[1].at("covariance"), robots[1].at("pose").at("covariance"));
   EXPECT_EQ(robots[1].at("covariance").size(), 6U);
   EXPECT_EQ(robots[1].at("probability"), robots[1].at("match").at("probability"));
+}
+
+TEST(ReportAsText, KeepsItsColumnsWhateverTheNames) {
+  Report report;
+  report.members.resize(3);
+  for (const std::string name : {"short", "a_robot_with_a_long_name", "caf\xc3\xa9\x01"}) {
+    report.maps.push_back(reportOn(name, name + ".ot", smallMap()));
+    report.members[report.maps.size() - 1].robot = name;
+  }
+  std::istringstream lines(textOf(report));
+  std::set<size_t> columns, of_members;
+  for (std::string line; std::getline(lines, line);) {
+    // A character of two bytes is in one column, an escaped character in four.
+    if (const size_t two = line.find("\xc3\xa9"); two != std::string::npos)
+      line.replace(two, 2, "e");
+    if (const size_t at = line.find("0.100"); at != std::string::npos) columns.insert(at);
+    if (const size_t at = line.find("first map"); at != std::string::npos) of_members.insert(at);
+  }
+  EXPECT_EQ(columns.size(), 1U) << textOf(report);
+  EXPECT_EQ(of_members.size(), 1U) << textOf(report);
 }
 
 TEST(ReportAsJson, EscapesPathsOfAnyBytes) {

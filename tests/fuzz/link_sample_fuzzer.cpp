@@ -4,6 +4,7 @@
  * size; else it is the content of an index, because a checksum hides that from the fuzzer. */
 
 #include "fusion_link/map_replica.h"
+#include "fusion_link/name_dispute.h"
 #include "fusion_link/outline.h"
 #include "fusion_link/sent_map.h"
 #include "fusion_link/statements.h"
@@ -19,6 +20,7 @@ constexpr size_t kMostBytes = 1'000'000;  // of a map
 void take(const Sample& sample, MapReplica& replica) {
   fuzz::accepts([&] { holdingsOf(sample.bytes); });
   fuzz::accepts([&] { wantedBlocksOf(sample.bytes); });
+  fuzz::accepts([&] { NameDispute(1).hear(nameClaimOf(sample.bytes), 0); });
   fuzz::accepts([&] { replica.add(sample); });
   fuzz::require(replica.bytes() <= kMostBytes, "a map has no more bytes than allowed");
 }
@@ -77,7 +79,8 @@ std::vector<std::string> fuzzSeeds() {
   }
   const Holdings held{1, 2, 3, true, {4, 5}};
   const WantedBlocks wanted{{"r2", ""}, {1, 8, 9}};
-  for (const std::string& value : {toBytes(held), toBytes(wanted)}) {
+  const NameClaim claim{2, 3, 1, 4};
+  for (const std::string& value : {toBytes(held), toBytes(wanted), toBytes(claim)}) {
     const std::string bytes = toBytes(Sample{{{"r2", ""}, SampleKind::Have, 0}, 1, value});
     seeds.push_back('\0' + fuzz::Output().put(static_cast<uint16_t>(bytes.size())).bytes() + bytes);
   }

@@ -33,22 +33,42 @@ TEST_F(Example, BuildsWithTheInstalledTreeAsAnotherProjectAndFusesTwoMaps) {
     return mrpt::fusion::statisticsOf(map.octree()).occupied;
   };
   const size_t a = voxelsOf(pair("map_a.ot")), b = voxelsOf(pair("map_b.ot"));
-  const size_t fused = voxelsOf(dir_ / "examples" / "fused.ot");
-  EXPECT_GT(fused, std::max(a, b));
-  EXPECT_LT(fused, a + b);
+  const auto expectFused = [&](const fs::path& file) {
+    const size_t fused = voxelsOf(file);
+    EXPECT_GT(fused, std::max(a, b)) << file;
+    EXPECT_LT(fused, a + b) << file;
+  };
+  expectFused(dir_ / "examples" / "fused.ot");
+
+  const std::string octrees = "examples/fuse_two_octrees " + pair("map_a.ot") + " ";
+  const auto fused = run(octrees + pair("map_b.ot") + " octrees.ot");
+  ASSERT_EQ(fused.code, 0) << fused.out << fused.err;
+  EXPECT_NE(fused.out, "");
+  expectFused(dir_ / "octrees.ot");
+  EXPECT_EQ(run(octrees + pair("T_a_b.txt") + " none.ot").code, 1);
+  EXPECT_FALSE(fs::exists(dir_ / "none.ot"));
 }
 
 TEST_F(Example, IsWhatTheReadmeShows) {
-  const std::string source = readFile(std::string(SOURCE_DIR) + "/doc/examples/fuse_two_maps.cpp");
-  const std::string mark = "  // [README]\n";
-  const size_t begin = source.find(mark) + mark.size(), end = source.rfind(mark);
-  ASSERT_LT(begin, end);
-  std::string excerpt;
-  std::istringstream lines(source.substr(begin, end - begin));
-  for (std::string line; std::getline(lines, line);)
-    excerpt += line.substr(std::min<size_t>(2, line.size())) + "\n";
-  EXPECT_NE(readFile(std::string(SOURCE_DIR) + "/README.md").find(excerpt), std::string::npos)
-      << excerpt;
+  for (const std::string name : {"fuse_two_maps", "fuse_two_octrees"}) {
+    const std::string source = readFile(std::string(SOURCE_DIR) + "/doc/examples/" + name + ".cpp");
+    const std::string mark = "  // [README]\n";
+    const size_t begin = source.find(mark) + mark.size(), end = source.rfind(mark);
+    ASSERT_LT(begin, end);
+    std::string excerpt;
+    std::istringstream lines(source.substr(begin, end - begin));
+    for (std::string line; std::getline(lines, line);)
+      excerpt += line.substr(std::min<size_t>(2, line.size())) + "\n";
+    EXPECT_NE(readFile(std::string(SOURCE_DIR) + "/README.md").find(excerpt), std::string::npos)
+        << excerpt;
+  }
+}
+
+TEST_F(Example, IsInstalledWithReadmeAndLicence) {
+  const fs::path doc = fs::path(INSTALLED_PREFIX) / "share/doc/mrpt-fusion";
+  for (const char* file : {"README.md", "LICENSE", "CHANGELOG.md", "examples/CMakeLists.txt",
+                           "examples/fuse_two_maps.cpp", "examples/fuse_two_octrees.cpp"})
+    EXPECT_TRUE(fs::is_regular_file(doc / file)) << file;
 }
 
 }  // namespace

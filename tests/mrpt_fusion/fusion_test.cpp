@@ -70,7 +70,7 @@ TEST_F(Fusing, TheFusedMapIsThatOfThePoseFound) {
   EXPECT_TRUE(toEigen(fused.pose().mean).isApprox(fused.alignment().match.T_a_b, 1e-12));
 }
 
-TEST_F(Fusing, WhyIsAllReasonsOnOneLine) {
+TEST_F(Fusing, WhyAnAcceptedMatchIsAcceptedAreAllReasonsOnOneLine) {
   const Fused fused = fuse(a(), b());
   const auto& reasons = fused.alignment().evaluation.reasons;
   ASSERT_GE(reasons.size(), 2U);
@@ -82,7 +82,11 @@ TEST_F(Fusing, WhyIsAllReasonsOnOneLine) {
 TEST_F(Fusing, MapsThatDoNotMeetHaveNoFusedMap) {
   const Fused fused = fuse(a(), elsewhere());
   EXPECT_FALSE(fused.accepted());
-  ASSERT_FALSE(fused.why().empty());
+  std::string against;
+  for (const auto& reason : fused.alignment().evaluation.against())
+    against += (against.empty() ? "" : "; ") + reason;
+  ASSERT_FALSE(against.empty());
+  EXPECT_EQ(fused.why(), against);
   try {
     fused.map();
     FAIL() << "nothing was merged";

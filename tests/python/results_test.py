@@ -148,6 +148,7 @@ def test_refuses_unknown_and_senseless_options(options, fault):
     (lambda: mf.match("a.ot", "b.ot", np.eye(3)), ValueError),
     (lambda: mf.match("a.ot", "b.ot", guess_sigma=(1, 1)), ValueError),
     (lambda: mf.match("a.ot", "b.ot", np.eye(4), (-1, 1)), mf.Error),
+    (lambda: mf.match("a.ot", "b.ot", np.eye(4), (1, 0)), mf.Error),
     (lambda: mf.match("a.ot", mf.MapBuilder().map()), mf.Error),
     (lambda: mf.fuse(["a.ot"]), ValueError),
     (lambda: mf.fuse({"a": "a.ot"}), ValueError),
@@ -156,6 +157,21 @@ def test_refuses_unknown_and_senseless_options(options, fault):
     (lambda: mf.load_mission("a.ot"), mf.Error)])
 def test_refuses_wrong_calls(call, fault):
     with pytest.raises(fault):
+        call()
+
+
+@pytest.mark.parametrize("call, message", [
+    (lambda: mf.fuse("a.ot", "b.ot"), r"maps is a list or a dict: fuse\(\[a, b\]\)"),
+    (lambda: mf.fuse(mf.load("a.ot"), mf.load("b.ot")), r"maps is a list or a dict: fuse\(\[a, b\]\)"),
+    (lambda: mf.match("a.ot", "b.ot", guess="[1 2 0 30 0 0]"), "guess is a 4x4 matrix: .*"),
+    (lambda: mf.fuse(["a.ot", "b.ot"], guess=mf.load("b.ot")), "guess is a 4x4 matrix: .*"),
+    (lambda: mf.evaluate("a.ot", "b.ot", "T.txt"), "pose is a 4x4 matrix: .*"),
+    (lambda: mf.merge("a.ot", "b.ot", {}), "pose is a 4x4 matrix: .*"),
+    (lambda: mf.MapTeam().set("a", "a.ot", pose="here"), "pose is a 4x4 matrix: .*"),
+    (lambda: mf.match("a.ot", "b.ot", np.eye(4), 3), "guess_sigma is a pair: .*"),
+    (lambda: mf.match("a.ot", "b.ot", np.eye(4), (1, 2, 3)), "guess_sigma is a pair: .*")])
+def test_says_what_an_argument_is(call, message):
+    with pytest.raises(TypeError, match=f"^{message}$"):
         call()
 
 
@@ -186,6 +202,7 @@ def test_reasons_have_a_sign(part_of):
         verdict = match.figures()["match"]
         assert match.reasons_against == verdict["reasons_against"]
         assert match.reasons == verdict["reasons"]
+        assert match.against == match.reasons[:match.reasons_against]
     assert good.reasons_against == 0 and 0 < bad.reasons_against <= len(bad.reasons)
     a = mf.load("a.ot")
     low, high = a.bounds
@@ -194,7 +211,7 @@ def test_reasons_have_a_sign(part_of):
     team = mf.fuse({"a": a, "lone": lone, "c": c})
     against = [f"{m.robot}: {reason}" for m in team.members for reason in m.reasons[:m.reasons_against]]
     assert any(reason.startswith("lone: ") for reason in against)
-    assert team.reasons[:team.reasons_against] == against
+    assert team.reasons[:team.reasons_against] == team.against == against
     assert sorted(team.reasons) == sorted(f"{m.robot}: {r}" for m in team.members for r in m.reasons)
     assert mf.fuse(["a.ot", "b.ot"]).reasons_against == 0
 
@@ -224,6 +241,11 @@ def test_results_of_a_team_show_what_they_are(part_of):
     team = mf.fuse({"a": a, "b": mf.load("b.ot"), "c": c})
     first, second, _ = team.members
     assert repr(first) == "<mrpt_fusion.Member 'a', joined>"
+    assert first.accepted and not first.ambiguous and first.reasons == first.against == []
+    assert (first.pose == np.eye(4)).all() and first.probability is first.overlap is first.deviation is None
+    figures = team.figures()["robots"]
+    assert figures[0]["probability"] is None and figures[0]["pose"]["matrix"] == np.eye(4).tolist()
+    assert figures[1]["probability"] == second.probability > 0.85
     assert repr(second).startswith("<mrpt_fusion.Member 'b', joined, matched with 'a', probability 0.")
     assert re.fullmatch(r"<mrpt_fusion.Pair 'a', 'b', holds, probability [0-9.]+>", repr(team.pairs[0]))
     best = mf.match(a, "b.ot").hypotheses[0]

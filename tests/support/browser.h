@@ -129,6 +129,12 @@ class Browser {
       call("Input.dispatchKeyEvent", {{"type", type}, {"key", key}, {"code", key}});
     nextFrame();
   }
+  /** Changes the size of the window, pixels. */
+  void resize(int width, int height) {
+    call("Emulation.setDeviceMetricsOverride",
+         {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", false}});
+    nextFrame();
+  }
   void nextFrame() {
     evaluate("new Promise(r => requestAnimationFrame(() => requestAnimationFrame(() => r(1))))");
   }

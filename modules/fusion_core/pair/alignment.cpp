@@ -4,6 +4,7 @@
 #include <mrpt/core/exceptions.h>
 #include <mrpt/core/format.h>
 #include <mrpt/fusion/alignment.h>
+#include <mrpt/math/wrap2pi.h>
 #include <mrpt/system/CTicTac.h>
 
 #include <algorithm>
@@ -53,14 +54,44 @@ void checkReach(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometr
              what + " is farther away than the maps can reach");
 }
 
-/** Adds a reason if the match speaks against the guess: no pose near the guess lets the maps touch,
- * or the pose lies outside of the search around the guess. */
-void compareWithGuess(const MapFeatures& b, const Eigen::Isometry3d& guess, bool has_bounds,
-                      const SearchParams& search, Alignment& result) {
-  if (search.translation <= 0 || search.isEverywhere()) return;
+/** Least bound of the heading of a guess, rad: no heading is known better. */
+constexpr double kLeastHeadingBound = M_PI / 180;
+
+/** Rejects a match whose pose lies outside of the standard deviations that the guess states. The
+ * search keeps to them, the registration need not. A position is never known better than to a cell
+ * of the search. A guess states the position of the origin of map B, and the search moves the
+ * middle of map B: the smaller of both steps counts. */
+void rejectOutside(const MapFeatures& b, const Eigen::Isometry3d& guess, const SearchParams& search,
+                   Alignment& result) {
   Evaluation& e = result.evaluation;
-  if (e.pairs == 0 && has_bounds)
-    return e.addReasonAgainst("the maps do not touch anywhere within the bounds of the guess");
+  const auto reject = [&](const std::string& reason) {
+    e.addReasonAgainst(reason);
+    e.accepted = e.is_ambiguous = false;
+  };
+  if (e.pairs == 0) return reject("the maps do not touch anywhere within the bounds of the guess");
+  const Eigen::Isometry3d& T = result.match.T_a_b;
+  const mrpt::poses::CPose3D pose = toPose(T), guessed = toPose(guess);
+  const Eigen::Vector3d middle = meanOf(b.matched.voxels.centre);
+  const Eigen::Vector3d of_origin = T.translation() - guess.translation(),
+                        of_middle = T * middle - guess * middle;
+  const Eigen::Vector3d& step =
+      of_middle.head<2>().norm() < of_origin.head<2>().norm() ? of_middle : of_origin;
+  const double far = step.head<2>().norm(), high = std::abs(step.z());
+  const double turn = std::abs(mrpt::math::wrapToPi(pose.yaw() - guessed.yaw()));
+  const double most_high = std::max(search.height, search.cell);
+  const double most_turn = std::max(search.yaw, kLeastHeadingBound);
+  if (far <= search.translation && high <= most_high && turn <= most_turn) return;
+  reject(mrpt::format(
+      "the pose is %.2f m (height %.2f m) and %.1f deg from the guess, whose %.0f standard "
+      "deviations allow %.2f m (height %.2f m) and %.1f deg",
+      far, high, mrpt::RAD2DEG(turn), kSearchSigmas, search.translation, most_high,
+      mrpt::RAD2DEG(most_turn)));
+}
+
+/** Adds a reason if the match lies outside of the search around a guess without deviations. */
+void compareWithGuess(const MapFeatures& b, const Eigen::Isometry3d& guess,
+                      const SearchParams& search, Alignment& result) {
+  Evaluation& e = result.evaluation;
   const Eigen::Vector3d middle = meanOf(b.matched.voxels.centre);
   const Eigen::Isometry3d& T = result.match.T_a_b;
   const Eigen::Vector3d step = T * middle - guess * middle;
@@ -111,7 +142,12 @@ Alignment align(const PreparedMap& map_a, const PreparedMap& map_b, const Prior&
   result.seconds_matching = secondsSince(clock);
 
   result.evaluation = judgeAndSearchWider(a, b, prior, within_prior, result.match);
-  compareWithGuess(b, guess, prior.statesCovariance(), within_prior.search, result);
+  const bool is_near_guess =
+      within_prior.search.translation > 0 && !within_prior.search.isEverywhere();
+  if (is_near_guess && prior.statesCovariance())
+    rejectOutside(b, guess, within_prior.search, result);
+  else if (is_near_guess)
+    compareWithGuess(b, guess, within_prior.search, result);
   if (by_edges) {
     result.evaluation.accepted = result.evaluation.is_ambiguous = false;
     result.evaluation.addReasonAgainst(

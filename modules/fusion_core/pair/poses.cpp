@@ -104,12 +104,10 @@ Prior Prior::near(const CPose3D& guess) {
 }
 
 Prior Prior::within(const CPose3D& guess, double position, double heading) {
-  ASSERTMSG_(position >= 0 && heading >= 0,
-             "a standard deviation of the initial guess is negative or not a number");
-  constexpr double kLeast = 1e-3;  // m; a zero covariance would mean an unknown quality
-  const double metres = std::max(position, kLeast);
+  ASSERTMSG_(position > 0 && heading > 0,
+             "a standard deviation of the initial guess is not above 0");
   mrpt::poses::CPose3DPDFGaussian pdf(guess);
-  for (int i = 0; i < 3; i++) pdf.cov(i, i) = metres * metres;
+  for (int i = 0; i < 3; i++) pdf.cov(i, i) = position * position;
   pdf.cov(3, 3) = heading * heading;
   return gaussian(pdf);
 }

@@ -37,6 +37,19 @@ double coarseningTo(double size, const OccupiedVoxels& voxels) {
   return static_cast<double>(countInVoxelsOf(size, voxels)) / static_cast<double>(voxels.size());
 }
 
+/** Returns the share of the occupied voxels that touch no other occupied voxel, of each
+ * \a stride-th. */
+double shareOfLone(const MapVoxels& map, size_t stride) {
+  const VoxelBlocks::Ball touching(std::sqrt(3.0), 0);
+  const size_t n = (map.voxels.size() + stride - 1) / stride;
+  size_t lone = 0;
+  for (size_t i = 0; i < n; i++) {
+    const auto& key = map.voxels.key[stride * i];
+    lone += map.occupied.anyAround({key[0], key[1], key[2]}, touching) ? 0 : 1;
+  }
+  return n > 0 ? static_cast<double>(lone) / static_cast<double>(n) : 0;
+}
+
 /** Returns the factor of the weight of a rival for the obstacles that it confirms, see
  * EvaluationParams::min_rival_support. */
 double rivalShare(const Evaluation& e, const EvaluationParams& params) {
@@ -170,8 +183,9 @@ Evaluation evaluateMatch(const MapVoxels& a, const MapVoxels& b, const Pairs& pa
   e.size_ratio = size_ratio;
   e.deviation = deviation;
   e.probability = probabilityWith(e.rival_weight);
-  decide({a.voxels.resolution, b.voxels.resolution, rival.T_a_b, stays, probabilityWith(0)}, params,
-         e);
+  decide({a.voxels.resolution, b.voxels.resolution, shareOfLone(a, stride_a),
+          shareOfLone(b, stride_b), rival.T_a_b, stays, probabilityWith(0)},
+         params, e);
   return e;
 }
 

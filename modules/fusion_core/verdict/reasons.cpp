@@ -101,6 +101,20 @@ void judgeSizes(const Circumstances& circumstances, const EvaluationParams& para
   }
 }
 
+/** Rejects maps that are dust. Voxels far apart show no surface, and where the points were made on
+ * a grid, all maps fit each other at each step of the grid. */
+void judgeDust(const Circumstances& circumstances, Evaluation& e) {
+  constexpr double kMostLone = 0.5;
+  for (const auto& [name, lone] :
+       {std::pair('A', circumstances.lone_a), std::pair('B', circumstances.lone_b)})
+    if (lone > kMostLone)
+      judge(false, "",
+            percentBeside(kMostLone, lone) + " of the occupied voxels of map " + name +
+                " touch no other: they show no surfaces. Are its lengths in millimetres, or its "
+                "voxels too small?",
+            e);
+}
+
 void judgeRival(const Circumstances& circumstances, const EvaluationParams& params, Evaluation& e) {
   if (e.runner_up <= 0) return;
   const bool is_weak = e.rival_weight <= params.max_runner_up;
@@ -146,6 +160,7 @@ void decide(const Circumstances& circumstances, const EvaluationParams& params, 
   judgeOverlap(params, e);
   judgeFreeSpace(params, e);
   judgeSizes(circumstances, params, e);
+  judgeDust(circumstances, e);
   e.is_ambiguous = e.accepted && e.rival_weight > params.max_runner_up &&
                    circumstances.probability_without_rival >= params.min_probability;
   judgeRival(circumstances, params, e);

@@ -14,6 +14,7 @@ namespace mrpt::fusion {
 /** Input of the decision beside the figures of an evaluation. */
 struct Circumstances {
   double voxel_a = 0, voxel_b = 0;         ///< Voxel sizes of both maps, m
+  double lone_a = 0, lone_b = 0;           ///< Shares of occupied voxels that touch no other
   std::optional<Eigen::Isometry3d> rival;  ///< Pose of the best rival, if it is known
   double probability_of_staying = 1;       ///< See probabilityOfStaying()
   double probability_without_rival = 0;    ///< Probability of the pose if it had no rival

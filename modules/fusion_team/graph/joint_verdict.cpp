@@ -119,6 +119,15 @@ std::string doubtOn(const PlacedMap& m, const JointVerdictParams& params) {
 
 }  // namespace
 
+std::vector<std::string> reasonsAtMatch(const PlacedMap& map, const std::string& partner) {
+  std::vector<std::string> reasons = map.reasons;
+  if (map.pose)
+    reasons.insert(reasons.begin(),
+                   "the pose is that of the match with " + partner +
+                       "; all maps together prefer another place, which the next reasons judge");
+  return reasons;
+}
+
 std::string listOf(const std::vector<size_t>& maps, const std::vector<std::string>& names) {
   std::string list;
   for (const size_t k : maps) list += (list.empty() ? "" : ", ") + names[k];
@@ -198,8 +207,9 @@ std::vector<PlacedMap> judgeTeam(const TeamSearchResult& result, const std::vect
                  names[result.first]);
     if (!m.placed) continue;
     say(k, "placed by " + listOf(m.ways_in, names));
-    say(k, "the other maps confirm its place: " + percent(m.areas.conflictRatio()) +
-               " of the obstacles lie in their free space");
+    say(k, percentBeside(params.max_conflict, m.areas.conflictRatio()) +
+               " of the obstacles lie in free space of other maps, at most " +
+               percent(params.max_conflict) + " are allowed");
     say(k, m.runner_up > 0 ? "the next best place reaches " + percent(m.runner_up) +
                                  " of the gain of this place"
                            : "no other place agrees with the other maps");

@@ -55,6 +55,10 @@ struct PlacedMap {
   std::vector<std::string> reasons;       ///< Reasons of the verdict, one sentence each
 };
 
+/** Returns the reasons of a map that is shown at its best match and not at its place, if it has
+ * one. \param[in] partner Name of the map that it is matched with. */
+std::vector<std::string> reasonsAtMatch(const PlacedMap& map, const std::string& partner);
+
 /** Returns the names of maps, separated by commas. */
 std::string listOf(const std::vector<size_t>& maps, const std::vector<std::string>& names);
 

@@ -162,13 +162,14 @@ PlacedTeam placeByMatches(const std::vector<RobotMap>& maps, const std::vector<P
     }
     Evaluation& e = member.alignment.evaluation;
     const Eigen::Isometry3d at = *placed[partner[k]].pose * member.alignment.match.T_a_b;
+    const bool is_at_its_place = p.pose && evidence.isSame(k, at, *p.pose);
     e.probability =
-        p.pose && evidence.isSame(k, at, *p.pose)
+        is_at_its_place
             ? p.probability
             : std::min(e.probability, params.model.ofAnotherPose(
                                           p.pose ? std::optional(p.probability) : std::nullopt));
     e.accepted = p.placed;
-    e.reasons = p.reasons;
+    e.reasons = is_at_its_place || p.placed ? p.reasons : reasonsAtMatch(p, member.matched_with);
     e.reasons_against = p.placed ? 0 : e.reasons.size();
     for (const size_t other : groups.others[k]) member.fits.push_back(maps[other].robot);
     e.runner_up = p.runner_up;

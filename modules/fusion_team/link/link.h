@@ -22,7 +22,8 @@ enum class SampleKind : uint8_t {
   Want,     ///< Blocks of the map of the receiver that a robot wants first
   Index,    ///< Piece of the list of the blocks of a map
   Outline,  ///< Piece of the outline of a map
-  Block     ///< Block of a map
+  Block,    ///< Block of a map
+  Claim     ///< Claim to a name, to another robot of this name
 };
 
 /** Identity of a sample: only the latest version of each key counts. */

@@ -313,6 +313,25 @@ TEST_F(Aligning, SaysHowFarThePoseIsFromAWrongGuess) {
   EXPECT_EQ(allReasons(near(poseOf(0.3, -0.2, 0, 4))).find("from the guess"), std::string::npos);
 }
 
+TEST_F(Aligning, AGuessBoundsThePoseByThreeOfItsDeviations) {
+  const auto guessed = [&](const Eigen::Isometry3d& off, double metres, double yaw_deg) {
+    return align(a(), b(), Prior::within(toPose(off * truth), metres, M_PI / 180 * (yaw_deg)), {})
+        .evaluation;
+  };
+  const Eigen::Isometry3d aside = poseOf(0.6, -0.5, 0, 0), above = poseOf(0, 0, 0.5, 0);
+  const Eigen::Isometry3d turned =
+      truth * Eigen::AngleAxisd(M_PI / 180 * (5), Eigen::Vector3d::UnitZ()) * truth.inverse();
+  for (const auto& off : {aside, above, turned}) {
+    EXPECT_TRUE(guessed(off, 0.3, 2).accepted) << off.matrix();
+    const Evaluation e = guessed(off, 0.05, 0.5);
+    EXPECT_FALSE(e.accepted || e.is_ambiguous) << off.matrix();
+    ASSERT_FALSE(e.against().empty()) << off.matrix();
+    EXPECT_NE(e.against().back().find("from the guess, whose 3 standard deviations allow"),
+              std::string::npos)
+        << e.against().back();
+  }
+}
+
 TEST_F(Aligning, SaysThatTheMapsDoNotTouchWithinTheBoundsOfAGuess) {
   mrpt::poses::CPose3DPDFGaussian far(toPose(poseOf(300, 0, 0, 0) * truth));
   far.cov.setDiagonal(6, 0.01);

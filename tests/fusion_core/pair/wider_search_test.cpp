@@ -6,7 +6,9 @@
 #include <gtest/gtest.h>
 #include <mrpt/fusion/alignment.h>
 
+#include "fusion_core/features/features.h"
 #include "fusion_core/pair/match.h"
+#include "fusion_core/verdict/evaluation.h"
 #include "support/prepared_apartment.h"
 
 namespace mrpt::fusion::test::wider_search_test {
@@ -67,7 +69,11 @@ TEST_F(SearchingWider, AnAcceptedMatchThatIsNotSureGivesWayToABetterPose) {
 TEST_F(SearchingWider, APoseOutsideAStatedCovarianceDoesNotOverruleTheMatch) {
   const Alignment r = align(a(), b(), gaussian(far_off, 0.2, 2), credulous());
   EXPECT_GT(error(r), 1);
-  EXPECT_TRUE(r.evaluation.accepted);
+  // The registration has left the bounds. Nothing else rejects the match.
+  const Evaluation e = judge(a().features(), b().features(), r.match, credulous().evaluation);
+  EXPECT_TRUE(e.accepted);
+  EXPECT_EQ(r.evaluation.reasons.size(), e.reasons.size() + 1);
+  EXPECT_NE(r.evaluation.against().back().find(" from the guess"), std::string::npos);
   for (const RankedPose& h : r.match.hypotheses) EXPECT_GT(metresBetween(h.T_a_b, truth), 1);
 }
 

@@ -181,6 +181,24 @@ TEST(EvaluateMatch, FiguresByHand) {
   EXPECT_NE(e.reasons[1].find("which the settings do not test"), std::string::npos) << reasonsOf(e);
 }
 
+TEST(EvaluateMatch, RejectsDust) {
+  const auto voxelsEach = [](int step) {
+    MapWriter writer;
+    for (int y = 0; y < 10; y++)
+      for (int z = 0; z < 10; z++)
+        writer.box({0, step * y, step * z}, {0, step * y, step * z}, 0.F);
+    return writer.pruned();
+  };
+  const Case dust{voxelsEach(3), wall()}, wall_of_voxels{voxelsEach(1), wall()};
+  const Evaluation e = dust.withPairs(90, 0, 0);
+  EXPECT_FALSE(e.accepted || e.is_ambiguous);
+  EXPECT_NE(reasonsOf(e).find("100.0 % of the occupied voxels of map A touch no other"),
+            std::string::npos)
+      << reasonsOf(e);
+  EXPECT_EQ(reasonsOf(e).find("map B touch"), std::string::npos) << reasonsOf(e);
+  EXPECT_TRUE(wall_of_voxels.withPairs(90, 0, 0).accepted);
+}
+
 TEST(EvaluateMatch, InlierRatioMustExceedItsThreshold) {
   const Case c{wall(), wall()};
   EXPECT_TRUE(c.withPairs(10, 1, 0.5F).accepted);   // 0.9 > 0.8

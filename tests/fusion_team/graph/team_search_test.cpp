@@ -96,12 +96,16 @@ TEST(TeamSearch, FindsThePosesAtWhichAllPairsAgree) {
 TEST(TeamSearch, WithoutWaysPlacesNothing) {
   const TeamSearchResult found = searchTeam({}, Square(), 16);
   for (const auto& pose : found.best.pose) EXPECT_FALSE(pose);
+  EXPECT_EQ(reasonsAtMatch({}, "r1").size(), 0U) << "no place is preferred";
 }
 
 TEST(JointVerdict, ALoopOfUnsureMatchesPlacesAllMaps) {
   const auto maps = placed(waysAround(4), 0.3);
   EXPECT_EQ(numberOf(maps), 4U);
   EXPECT_EQ(maps[2].ways_in.size(), 2U);
+  ASSERT_GE(maps[2].reasons.size(), 2U);
+  EXPECT_EQ(maps[2].reasons[1],
+            "0.0 % of the obstacles lie in free space of other maps, at most 10.0 % are allowed");
 }
 
 TEST(JointVerdict, AChainOfUnsureMatchesPlacesNoMapButTheFirst) {
@@ -129,6 +133,11 @@ TEST(JointVerdict, AMapWithARivalIsNotPlacedButClosesTheLoopOfTheOthers) {
   ASSERT_FALSE(maps[2].reasons.empty());
   EXPECT_NE(maps[2].reasons[0].find("another place reaches 95.0 % of the gain"), std::string::npos)
       << maps[2].reasons[0];
+  const auto at_match = reasonsAtMatch(maps[2], "r1");
+  ASSERT_EQ(at_match.size(), maps[2].reasons.size() + 1);
+  EXPECT_EQ(at_match[0].find("the pose is that of the match with r1; all maps together prefer"),
+            0U);
+  EXPECT_EQ(at_match[1], maps[2].reasons[0]);
 }
 
 TEST(TeamScore, ContradictedObstaclesCountOverTheirTolerance) {

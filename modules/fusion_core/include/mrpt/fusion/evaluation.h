@@ -23,9 +23,9 @@ struct PoseTolerance {
  * scripts/fit_verdict.py on matches of simulated buildings, see
  * doc/decisions/025-probability.md and, for the conflict ratio, 066-border-of-free-space.md. */
 struct VerdictModel {
-  unsigned version = 2;            ///< Version of the fit
-  double constant = -15.57;        ///< Log-odds without evidence
-  double log_overlap = 1.845;      ///< Log-odds per natural logarithm of the overlap
+  unsigned version = 2;         ///< Version of the fit
+  double constant = -15.57;     ///< Log-odds without evidence
+  double log_overlap = 1.845;   ///< Log-odds per natural logarithm of the overlap
   double conflict_ratio = -50;  ///< Log-odds per share of obstacles in the other's free space
   double runner_up = -8.085;    ///< Log-odds per agreement of the best other pose over this pose's
   double inlier_ratio = 22.91;  ///< Log-odds per share of inliers
@@ -192,6 +192,10 @@ struct Evaluation {
   std::vector<std::string> reasons;
   size_t reasons_against = 0;  ///< Number of reasons against the pose, or of lacking evidence
 
+  /** Returns the reasons against the pose, or of lacking evidence. */
+  std::vector<std::string> against() const {
+    return {reasons.begin(), reasons.begin() + static_cast<std::ptrdiff_t>(reasons_against)};
+  }
   /** Adds a reason behind the other reasons against the pose. */
   void addReasonAgainst(const std::string& reason) {
     reasons.insert(reasons.begin() + static_cast<std::ptrdiff_t>(reasons_against++), reason);

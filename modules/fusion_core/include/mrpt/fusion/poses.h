@@ -55,12 +55,13 @@ class MRPT_FUSION_API Prior {
   static Prior near(const mrpt::poses::CPose3D& guess);
   /** Returns the prior of a guess with the standard deviations of its position (m) and of its
    * heading (rad), as gaussian(). \exception std::exception As gaussian(), or if a deviation is
-   * negative. */
+   * not above 0. */
   static Prior within(const mrpt::poses::CPose3D& guess, double position, double heading);
   /** A guess and how good it is: the search goes kSearchSigmas standard deviations far in position,
    * height and yaw; everywhere if that is kUnknownPoseSigma or more; as near() if the covariance is
-   * zero. \exception std::exception As near(), or if the covariance is not finite or has a negative
-   * variance. */
+   * zero. A match farther from the guess is rejected; at least a cell of the search is allowed in
+   * position and height, and 1 deg in yaw. \exception std::exception As near(), or if the
+   * covariance is not finite or has a negative variance. */
   static Prior gaussian(const mrpt::poses::CPose3DPDFGaussian& guess);
   /** Converts MRPT's Gaussian, as gaussian(). */
   Prior(const mrpt::poses::CPose3DPDFGaussian& guess)  // NOLINT(google-explicit-constructor)

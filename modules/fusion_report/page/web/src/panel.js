@@ -46,8 +46,9 @@ function sureness(report, path) {
   const m = path.reduce((v, k) => v?.[k], report);
   if (!m) return null;
   const p = el('p', {class: 'sure'}, 'Probability that the pose is right: ', percent(report, [...path, 'probability']));
-  if (m.deviation_m < 500) p.append(', least certain direction ± ', figure(report, [...path, 'deviation_m'], 3, {unit: '\u2009m'}),
-    ', axis ± ', figure(report, [...path, 'deviation_deg'], 3, {unit: '°'}));
+  if (m.deviation_m < 500) p.append('. Standard deviations of the middle of map B in its least certain direction: ',
+    figure(report, [...path, 'deviation_m'], 3, {unit: '\u2009m'}), ', and of the rotation about its least certain axis: ',
+    figure(report, [...path, 'deviation_deg'], 3, {unit: '°'}), '.');
   return p;
 }
 

@@ -216,7 +216,7 @@ export class Picture {
     this.night.addEventListener('change', () => this.applyTheme());
     addEventListener('beforeprint', () => this.print());
     addEventListener('afterprint', () => this.applyTheme());
-    this.view.margin = this.stage.clientWidth > 700 ? 264 : 0;
+    this.view.marginOf = (width) => (width > 700 ? 264 : 0);
     this.view.applyMargin();
     this.view.look();
     this.view.drawNow(!this.view.inSoftware);

@@ -30,10 +30,13 @@ export class View {
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.screenSpacePanning = true;
     this.controls.addEventListener('change', () => this.draw());
+    this.controls.addEventListener('start', () => { this.framed = null; });
     this.after = []; // called after each frame
     this.waiting = false;
     this.started = false; // nothing is drawn before
-    this.margin = 0; // width at the left that the controls cover, pixels
+    this.framed = null; // direction of the last look(); null after the user has moved
+    this.marginOf = () => 0; // (width of the picture) -> width at its left that the controls cover, pixels
+    this.margin = 0;
     this.box = new Box3(new Vector3(-1, -1, -1), new Vector3(1, 1, 1));
     this.points = [this.box.min, this.box.max]; // points that look() shows
     canvas.addEventListener('keydown', (e) => this.onKey(e));
@@ -49,12 +52,14 @@ export class View {
     this.renderer.setSize(w, h, false);
     this.camera.aspect = w / h;
     this.applyMargin();
+    if (this.started && this.framed) this.look(...this.framed); // all points stay in the picture
     if (this.started) this.drawNow(!this.inSoftware);
     if (this.started && this.inSoftware) this.refine();
   }
 
   /** Moves the middle of the picture to the middle of the part that the controls leave open. */
   applyMargin() {
+    this.margin = this.marginOf(this.width);
     if (this.margin > 0) this.camera.setViewOffset(this.width, this.height, -this.margin / 2, 0, this.width, this.height);
     else this.camera.clearViewOffset();
     this.camera.updateProjectionMatrix();
@@ -93,6 +98,7 @@ export class View {
   /** Looks at all points from a direction. \param[in] down Angle from straight down, rad. \param[in] around Angle
    * around the vertical, rad. */
   look(down = 0.72, around = -1.85) {
+    this.framed = [down, around];
     const d = new Vector3(Math.sin(down) * Math.cos(around), Math.sin(down) * Math.sin(around), Math.cos(down));
     const fit = new PerspectiveCamera();
     fit.up.copy(kUp);
@@ -134,6 +140,7 @@ export class View {
 
   /** Turns the camera around the target, rad. */
   orbit(around, down) {
+    this.framed = null;
     const offset = this.camera.position.clone().sub(this.controls.target);
     const flat = new Vector3(offset.x, offset.z, -offset.y); // y is up in Spherical
     const s = new Spherical().setFromVector3(flat);
@@ -147,6 +154,7 @@ export class View {
 
   /** Multiplies the distance to the target. */
   zoom(factor) {
+    this.framed = null;
     const offset = this.camera.position.clone().sub(this.controls.target);
     const length = Math.min(Math.max(offset.length() * factor, this.controls.minDistance), this.controls.maxDistance);
     this.camera.position.copy(this.controls.target).addScaledVector(offset.normalize(), length);
@@ -156,6 +164,7 @@ export class View {
 
   /** Moves camera and target by parts of the height of the picture. */
   pan(right, up) {
+    this.framed = null;
     const x = new Vector3(), y = new Vector3(), z = new Vector3();
     this.camera.matrixWorld.extractBasis(x, y, z);
     const height = 2 * this.camera.position.distanceTo(this.controls.target) * Math.tan((this.camera.fov * Math.PI) / 360);

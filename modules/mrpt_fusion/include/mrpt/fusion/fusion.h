@@ -39,7 +39,7 @@ class MRPT_FUSION_API Fused {
 
   /** Returns whether the match is accepted. Only accepted matches are merged. */
   bool accepted() const { return alignment_.evaluation.accepted; }
-  /** Returns the reasons of the verdict on one line. */
+  /** Returns the reasons of the verdict on one line: of a rejection only those against the pose. */
   std::string why() const;
   /** Returns the fused map, in A's frame. \exception std::logic_error With the reasons, if the
    * match is rejected. */

@@ -9,7 +9,7 @@
 /** \file
  * Which known word is meant by a misspelt word. */
 
-namespace map_fusion {
+namespace mrpt::fusion {
 
 constexpr size_t kMostLetters = 40;  // letters of an unknown word that are compared and printed
 
@@ -18,4 +18,8 @@ constexpr size_t kMostLetters = 40;  // letters of an unknown word that are comp
 std::pair<std::string, size_t> nearestTo(const std::string& word,
                                          const std::vector<std::string>& known);
 
-}  // namespace map_fusion
+/** Returns "; the nearest is '<word>'" if a known word differs in less than half of the letters,
+ * else nothing. */
+std::string textOfNearest(const std::string& word, const std::vector<std::string>& known);
+
+}  // namespace mrpt::fusion

@@ -2,12 +2,12 @@
 /** \file
  * Compares words. */
 
-#include "spelling.h"
+#include "fusion_base/spelling.h"
 
 #include <algorithm>
 #include <numeric>
 
-namespace map_fusion {
+namespace mrpt::fusion {
 
 namespace {
 
@@ -39,4 +39,10 @@ std::pair<std::string, size_t> nearestTo(const std::string& word,
   return nearest;
 }
 
-}  // namespace map_fusion
+std::string textOfNearest(const std::string& word, const std::vector<std::string>& known) {
+  const auto [nearest, changes] = nearestTo(word, known);
+  const bool is_near = changes != std::string::npos && 2 * changes < word.size();
+  return is_near ? "; the nearest is '" + nearest + "'" : "";
+}
+
+}  // namespace mrpt::fusion
