@@ -34,6 +34,9 @@ class EvidenceBeforeSettling : public TeamEvidence {
   bool isSure(size_t a, size_t b, const Isometry3d& T_a_b) const override {
     return evidence_.isSure(a, b, T_a_b);
   }
+  std::optional<Isometry3d> sureMatch(size_t a, size_t b) const override {
+    return evidence_.sureMatch(a, b);
+  }
   Eigen::AlignedBox3d box(size_t map) const override { return evidence_.box(map); }
   double areaOfObstacle(size_t map) const override { return evidence_.areaOfObstacle(map); }
   double areaOf(size_t map) const override { return evidence_.areaOf(map); }
@@ -61,8 +64,8 @@ std::vector<Edge> strongestTree(const ScoredTeam& team) {
     for (const auto& [b, r] : team.relations(a)) {
       if (b < a) continue;
       KnownObstacles of_a, of_b;
-      unite(of_a, r.own(), r.is_sure);
-      unite(of_b, r.others(), r.is_sure);
+      unite(of_a, r.own(), r.standing);
+      unite(of_b, r.others(), r.standing);
       edges.push_back({team.scoreOf(of_a, a) + team.scoreOf(of_b, b), a, b});
     }
   std::sort(edges.begin(), edges.end(), [](const Edge& g, const Edge& h) {

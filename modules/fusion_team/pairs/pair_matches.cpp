@@ -117,9 +117,8 @@ bool EvidenceOfMaps::holds(const PairMatch& match) const {
 }
 
 std::optional<Eigen::Isometry3d> EvidenceOfMaps::clearPoseOf(const PairMatch& match) const {
-  constexpr double kMostRival = 0.5;  // a wrong pose has a stronger rival
   for (const Eigen::Isometry3d& T : hypothesesOf(match))
-    if (rivalOf(match, T) <= kMostRival) return T;
+    if (rivalOf(match, T) <= kMostRivalOfClear) return T;
   return std::nullopt;
 }
 
@@ -156,14 +155,23 @@ void EvidenceOfMaps::adaptTolerance(const std::vector<PairMatch>& matches) {
 void EvidenceOfMaps::setSureMatches(const std::vector<PairMatch>& matches,
                                     double least_probability) {
   for (const PairMatch& m : matches) {
-    const bool is_sure = m.alignment.evaluation.probability >= least_probability && holds(m);
-    sure_[m.a][m.b - m.a - 1] = is_sure ? std::optional(m.alignment.match.T_a_b) : clearPoseOf(m);
+    const Evaluation& e = m.alignment.evaluation;
+    const Eigen::Isometry3d& T = m.alignment.match.T_a_b;
+    const bool is_match =
+        holds(m) && (e.probability >= least_probability || rivalOf(m, T) <= kMostRivalOfClear);
+    const auto pose = is_match ? std::optional(T) : clearPoseOf(m);
+    sure_[m.a][m.b - m.a - 1] = pose ? std::optional(SurePose{*pose, is_match}) : std::nullopt;
   }
 }
 
 bool EvidenceOfMaps::isSure(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const {
-  const auto& T = sure_[a][b - a - 1];
-  return T && isSame(b, T_a_b, *T);
+  const auto& sure = sure_[a][b - a - 1];
+  return sure && isSame(b, T_a_b, sure->T_a_b);
+}
+
+std::optional<Eigen::Isometry3d> EvidenceOfMaps::sureMatch(size_t a, size_t b) const {
+  const auto& sure = sure_[a][b - a - 1];
+  return sure && sure->is_match ? std::optional(sure->T_a_b) : std::nullopt;
 }
 
 const PairEvidence& EvidenceOfMaps::near(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const {

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,6 +38,7 @@ class Square : public TeamEvidence {
     return (T.translation() - U.translation()).norm() < 0.6;
   }
   bool isSure(size_t, size_t, const Isometry3d&) const override { return false; }
+  std::optional<Isometry3d> sureMatch(size_t, size_t) const override { return {}; }
   Eigen::AlignedBox3d box(size_t) const override { return everywhere(); }
   double areaOfObstacle(size_t) const override { return 1; }
   double areaOf(size_t) const override { return 64; }
@@ -149,6 +151,9 @@ class SquareWithASureMatch : public Square {
   bool isSure(size_t a, size_t b, const Isometry3d& T) const override {
     return a == 0 && b == 2 && isSame(b, T, pose());
   }
+  std::optional<Isometry3d> sureMatch(size_t a, size_t b) const override {
+    return a == 0 && b == 2 ? std::optional(pose()) : std::nullopt;
+  }
 };
 
 TEST(TeamScore, ASureMatchExplainsItsConflicts) {
@@ -162,6 +167,37 @@ TEST(TeamScore, ASureMatchExplainsItsConflicts) {
   EXPECT_NEAR(scoreOf(c, square), 64 - 16 / square.tolerance(0).explained, 1e-9);
   c.pose[2] = at(6, 1);
   EXPECT_EQ(areasOf(0, ScoredTeam(c, square)).contradicted, 16) << "another place is not sure";
+}
+
+TEST(TeamScore, ASureMatchThatIsPartedIsLost) {
+  const SquareWithASureMatch square;
+  Configuration c;
+  for (size_t k = 0; k < 4; k++) c.pose.emplace_back(Square::truth(k));
+  const double confirmed = scoreOf(c, Square());
+  EXPECT_EQ(scoreOf(c, square), confirmed - 64) << "the diagonal maps do not meet";
+  const ScoredTeam team(c, square);
+  EXPECT_EQ(team.known(0).denied, (ObstacleSet{0xffffffffU})) << "as the match confirms";
+  EXPECT_EQ(team.known(1).denied, ObstacleSet());
+  c.pose[2].reset();
+  EXPECT_EQ(scoreOf(c, square), scoreOf(c, Square())) << "a map that is not placed parts nothing";
+}
+
+TEST(TeamScore, TheGainOfAMapIsTheIncreaseOfTheScore) {
+  const SquareWithASureMatch square;
+  for (const Isometry3d& T : {Square::truth(2), SquareWithASureMatch::pose(), at(6, 1)}) {
+    ScoredTeam team({{at(0, 0), Square::truth(1), std::nullopt, std::nullopt}}, square);
+    Addition early(2, T, team, -1e6);
+    team.place(3, Square::truth(3));
+    early.update(team, 3, std::vector<bool>(4, true));
+    const double before = team.score();
+    const double gain = Addition(2, T, team, -1e6).gain(team);
+    EXPECT_NEAR(early.gain(team), gain, 1e-9) << "also of a map that was placed later";
+    team.place(2, T);
+    EXPECT_NEAR(team.score(), before + gain, 1e-9);
+    team.remove(2);
+    EXPECT_NEAR(team.score(), before, 1e-9);
+    EXPECT_EQ(team.known(0).denied, ObstacleSet());
+  }
 }
 
 /** Maps that confirm each other at some places only. They do not meet anywhere else. */
@@ -183,6 +219,7 @@ class Places : public TeamEvidence {
     return (T.translation() - U.translation()).norm() < 0.6;
   }
   bool isSure(size_t, size_t, const Isometry3d&) const override { return false; }
+  std::optional<Isometry3d> sureMatch(size_t, size_t) const override { return {}; }
   Eigen::AlignedBox3d box(size_t) const override { return everywhere(); }
   double areaOfObstacle(size_t) const override { return 1; }
   double areaOf(size_t) const override { return 64 * double(maps_); }
@@ -220,6 +257,60 @@ TEST(TeamSearch, ARivalCountsByWhatConnectsItsGroups) {
   EXPECT_NEAR(found.runner_up[1], 12.0 / (60 + 20), 1e-9) << "map 1 alone at the other place";
   EXPECT_NEAR(found.runner_up[2], 12.0 / 20, 1e-9);
   EXPECT_NEAR(found.runner_up[3], 12.0 / 20, 1e-9);
+}
+
+/** Four maps of one place where things move. Maps 0 and 1 confirm each other, and so do 2 and 3.
+ * The match of maps 1 and 2 is sure. There it confirms what the maps see already, and 8 more
+ * obstacles; 4 obstacles of each map have moved. The other way of these maps has no conflicts. */
+class PlaceWhereThingsMove : public Places {
+ public:
+  static Isometry3d right() { return at(1, 0); }
+  explicit PlaceWhereThingsMove(bool is_sure)
+      : Places(4, {{{0, 1, right()}, 40}, {{2, 3, right()}, 40}, {{1, 2, at(40, 0)}, 10}}),
+        is_sure_(is_sure) {}
+  bool isSure(size_t a, size_t b, const Isometry3d& T) const override {
+    return a == 1 && b == 2 && isSame(b, T, right());
+  }
+  std::optional<Isometry3d> sureMatch(size_t a, size_t b) const override {
+    return is_sure_ && a == 1 && b == 2 ? std::optional(right()) : std::nullopt;
+  }
+  const PairEvidence& near(size_t a, size_t b, const Isometry3d& T) const override {
+    const ObstacleSet no(4);
+    static const PairEvidence sure{
+        right(), right(), {sees(0), no, moved()}, {sees(3), no, moved()}};
+    return isSure(a, b, T) ? sure : Places::near(a, b, T);
+  }
+  std::vector<Way> allWays() const {
+    std::vector<Way> ways = this->ways();
+    ways.push_back({1, 2, right()});
+    return ways;
+  }
+
+ private:
+  /** The 40 obstacles that the partner of a map confirms, and 8 others. */
+  static ObstacleSet sees(size_t partner) {
+    ObstacleSet set(4);
+    set[partner] = (uint64_t{1} << 48) - 1;
+    return set;
+  }
+  static ObstacleSet moved() {
+    ObstacleSet set(4);
+    set[1] = 0xfU << 8;
+    return set;
+  }
+  bool is_sure_;
+};
+
+TEST(TeamSearch, MapsThatOtherMapsConfirmAreNotLaidApartAgainstASureMatch) {
+  const auto places = [](bool is_sure) {
+    const PlaceWhereThingsMove place(is_sure);
+    const TeamSearchResult found = searchTeam(place.allWays(), place, 16);
+    const bool is_right = place.isSure(1, 2, found.best.pose[1]->inverse() * *found.best.pose[2]);
+    return std::pair(is_right, found.runner_up[3]);
+  };
+  EXPECT_FALSE(places(false).first) << "8 obstacles less 4 that have moved, of each map";
+  EXPECT_TRUE(places(true).first);
+  EXPECT_EQ(places(true).second, 0) << "a place that loses the sure match is no rival";
 }
 
 TEST(JointVerdict, AChainOverlapsAsItsWeakestPair) {

@@ -149,8 +149,11 @@ TEST(SureMatches, AreThoseThatTheMapsBearOut) {
   evidence.setSureMatches({claimed({beside(), kRight})}, 0.9);
   EXPECT_FALSE(evidence.isSure(0, 1, beside()));
   EXPECT_TRUE(evidence.isSure(0, 1, kRight)) << "the clear pose of the maps";
+  EXPECT_FALSE(evidence.sureMatch(0, 1)) << "the match does not say so";
   evidence.setSureMatches({claimed({kRight, beside()})}, 0.9);
   EXPECT_TRUE(evidence.isSure(0, 1, kRight));
+  ASSERT_TRUE(evidence.sureMatch(0, 1));
+  EXPECT_TRUE(evidence.sureMatch(0, 1)->isApprox(kRight));
 }
 
 }  // namespace
