@@ -51,6 +51,13 @@ double ScoredTeam::score() const {
   return sum;
 }
 
+double ScoredTeam::deniedArea() const {
+  double sum = 0;
+  for (size_t k = 0; k < known_.size(); k++)
+    sum += evidence_->areaOfObstacle(k) * countOf(known_[k].denied);
+  return sum;
+}
+
 Isometry3d ScoredTeam::poseOfB(size_t map, const Isometry3d& T, size_t placed) const {
   const Isometry3d T_map_placed = T.inverse() * *pose_[placed];
   return map < placed ? T_map_placed : T_map_placed.inverse();

@@ -54,6 +54,8 @@ class ScoredTeam {
    * that each of both maps is confirmed by other maps does not make up for it. */
   Configuration configuration() const { return {pose_, score()}; }
   double score() const;
+  /** Returns the area of the obstacles of all maps that parted sure matches confirm. */
+  double deniedArea() const;
   bool isPlaced(size_t map) const { return pose_[map].has_value(); }
   const std::optional<Eigen::Isometry3d>& pose(size_t map) const { return pose_[map]; }
 

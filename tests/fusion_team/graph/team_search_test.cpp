@@ -259,31 +259,35 @@ TEST(TeamSearch, ARivalCountsByWhatConnectsItsGroups) {
   EXPECT_NEAR(found.runner_up[3], 12.0 / 20, 1e-9);
 }
 
-/** Four maps of one place where things move. Maps 0 and 1 confirm each other, and so do 2 and 3.
- * The match of maps 1 and 2 is sure. There it confirms what the maps see already, and 8 more
- * obstacles; 4 obstacles of each map have moved. The other way of these maps has no conflicts. */
+/** Four maps of one place where things move. Maps 0 and 1 confirm each other, and so do 2 and 3. At
+ * the right pose of maps 1 and 2 each confirms what the other maps confirm already, and 8 more
+ * obstacles; 4 obstacles of each have moved. At another pose they confirm 10 new obstacles and have
+ * no conflicts. */
 class PlaceWhereThingsMove : public Places {
  public:
-  static Isometry3d right() { return at(1, 0); }
-  explicit PlaceWhereThingsMove(bool is_sure)
-      : Places(4, {{{0, 1, right()}, 40}, {{2, 3, right()}, 40}, {{1, 2, at(40, 0)}, 10}}),
-        is_sure_(is_sure) {}
+  static Isometry3d next() { return at(1, 0); }
+  /** \param[in] sure_matches Number of sure matches between the maps 0 and 1 and the maps 2 and 3.
+   */
+  explicit PlaceWhereThingsMove(size_t sure_matches)
+      : Places(4, {{{0, 1, next()}, 40}, {{2, 3, next()}, 40}, {{1, 2, at(40, 0)}, 10}}),
+        sure_matches_(sure_matches) {}
   bool isSure(size_t a, size_t b, const Isometry3d& T) const override {
-    return a == 1 && b == 2 && isSame(b, T, right());
+    return a == 1 && b == 2 && isSame(b, T, next());
   }
   std::optional<Isometry3d> sureMatch(size_t a, size_t b) const override {
-    return is_sure_ && a == 1 && b == 2 ? std::optional(right()) : std::nullopt;
+    if (a == 1 && b == 2 && sure_matches_ > 0) return next();
+    if (a == 0 && b == 3 && sure_matches_ > 1) return at(3, 0);
+    return std::nullopt;
   }
   const PairEvidence& near(size_t a, size_t b, const Isometry3d& T) const override {
-    const ObstacleSet no(4);
-    static const PairEvidence sure{
-        right(), right(), {sees(0), no, moved()}, {sees(3), no, moved()}};
-    return isSure(a, b, T) ? sure : Places::near(a, b, T);
+    static const ObstacleSet no(4);
+    static const PairEvidence right{next(), next(), {sees(0), no, moved()}, {sees(3), no, moved()}};
+    return isSure(a, b, T) ? right : Places::near(a, b, T);
   }
-  std::vector<Way> allWays() const {
-    std::vector<Way> ways = this->ways();
-    ways.push_back({1, 2, right()});
-    return ways;
+  TeamSearchResult found() const {
+    std::vector<Way> all = ways();
+    all.push_back({1, 2, next()});
+    return searchTeam(all, *this, 16);
   }
 
  private:
@@ -298,19 +302,47 @@ class PlaceWhereThingsMove : public Places {
     set[1] = 0xfU << 8;
     return set;
   }
-  bool is_sure_;
+  size_t sure_matches_;
 };
 
-TEST(TeamSearch, MapsThatOtherMapsConfirmAreNotLaidApartAgainstASureMatch) {
-  const auto places = [](bool is_sure) {
-    const PlaceWhereThingsMove place(is_sure);
-    const TeamSearchResult found = searchTeam(place.allWays(), place, 16);
-    const bool is_right = place.isSure(1, 2, found.best.pose[1]->inverse() * *found.best.pose[2]);
-    return std::pair(is_right, found.runner_up[3]);
+TEST(TeamSearch, MapsThatOtherMapsConfirmAreNotLaidApartAgainstSureMatches) {
+  const auto is_right = [](const PlaceWhereThingsMove& place, const TeamSearchResult& found) {
+    return place.isSure(1, 2, found.best.pose[1]->inverse() * *found.best.pose[2]);
   };
-  EXPECT_FALSE(places(false).first) << "8 obstacles less 4 that have moved, of each map";
-  EXPECT_TRUE(places(true).first);
-  EXPECT_EQ(places(true).second, 0) << "a place that loses the sure match is no rival";
+  const PlaceWhereThingsMove unsure(0), sure(1), very_sure(2);
+  EXPECT_FALSE(is_right(unsure, unsure.found())) << "16 obstacles less 8, not 20";
+  EXPECT_TRUE(is_right(sure, sure.found()));
+  EXPECT_TRUE(is_right(very_sure, very_sure.found()));
+  EXPECT_GT(sure.found().runner_up[3], 1) << "one sure match may be wrong";
+  EXPECT_EQ(very_sure.found().runner_up[3], 0) << "two sure matches refute the other pose";
+}
+
+/** Places of which one is that of a sure match. */
+class PlacesWithASureMatch : public Places {
+ public:
+  PlacesWithASureMatch(size_t maps, const std::vector<Place>& places, const Way& sure)
+      : Places(maps, places), sure_(sure) {}
+  std::optional<Isometry3d> sureMatch(size_t a, size_t b) const override {
+    return a == sure_.a && b == sure_.b ? std::optional(sure_.T_a_b) : std::nullopt;
+  }
+
+ private:
+  Way sure_;
+};
+
+TEST(TeamSearch, OneSureMatchAloneDoesNotRefuteARival) {
+  // Maps 1 and 3 say that map 2 is at 20 m. The match of maps 0 and 2 is sure of another place.
+  const Way sure{0, 2, at(0, 10)};
+  const PlacesWithASureMatch places(4,
+                                    {{{0, 1, at(10, 0)}, 40},
+                                     {{1, 2, at(10, 0)}, 30},
+                                     {{0, 3, at(15, 0)}, 40},
+                                     {{2, 3, at(-5, 0)}, 30},
+                                     {sure, 35}},
+                                    sure);
+  const TeamSearchResult found = searchTeam(places.ways(), places, 16);
+  ASSERT_TRUE(found.best.pose[0] && found.best.pose[2]);
+  EXPECT_GT(found.runner_up[2], 0.8) << "map 2 must not be placed";
 }
 
 TEST(JointVerdict, AChainOverlapsAsItsWeakestPair) {
