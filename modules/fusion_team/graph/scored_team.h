@@ -41,8 +41,8 @@ struct Relation {
 /** Adds to the known obstacles of a map what another map says about them. */
 void unite(KnownObstacles& all, const ComparedObstacles& more, Standing standing);
 
-/** A configuration with its score. Only the maps that meet a map change when it is placed. The
- * evidence must outlive it. */
+/** A configuration with its score. Only the maps that meet a map, or have a sure match with it,
+ * change when it is placed. The evidence must outlive it. */
 class ScoredTeam {
  public:
   ScoredTeam(const Configuration& configuration, const TeamEvidence& evidence);

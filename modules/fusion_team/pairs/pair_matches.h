@@ -63,7 +63,7 @@ class EvidenceOfMaps : public TeamEvidence {
   void setSureMatches(const std::vector<PairMatch>& matches, double least_probability);
 
  private:
-  /** A pose of which two maps alone are sure. */
+  /** A pose of which two maps are sure. */
   struct SurePose {
     Eigen::Isometry3d T_a_b;
     bool is_match;  // the match of the maps is sure, see sureMatch()
