@@ -36,7 +36,8 @@ class MapReplica {
    * \exception std::runtime_error If the sample is damaged or too much: nothing changed. */
   bool add(const Sample& sample);
   /** Adds samples that come together. Whether the map is whole is found out once, at their end.
-   * \exception std::runtime_error As of the first of them that is not added. */
+   * \exception std::runtime_error If a sample is damaged or too much. The samples before it stay, the
+   * samples behind it are not added. */
   void add(const std::vector<Sample>& samples);
 
   const SourceName& source() const { return source_; }  ///< Name of the map

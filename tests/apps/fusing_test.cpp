@@ -19,7 +19,6 @@ namespace {
 
 class Fusing : public AppTest {
  protected:
-  Json report() const { return Json::parse(readFile(dir_ / "report.json")); }
 
   static Json mapOf(const Json& report, const std::string& role) {
     for (const auto& m : report.at("maps"))

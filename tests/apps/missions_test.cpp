@@ -19,7 +19,6 @@ class Missions : public AppTest {
     const auto r = run("gzip -6 -n -c " + path + " | wc -c");
     return std::stoul(r.out);
   }
-  Json report() const { return Json::parse(readFile(dir_ / "report.json")); }
 };
 
 TEST_F(Missions, AreFused) {

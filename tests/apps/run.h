@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 
@@ -18,6 +19,9 @@ class AppTest : public ProgramTest {
 
   static std::string pair(const std::string& file) { return std::string(PAIR_DIR) + "/" + file; }
   static std::string both() { return pair("map_a.ot") + " " + pair("map_b.ot"); }
+
+  /** Returns what --json wrote to report.json. */
+  nlohmann::json report() const { return nlohmann::json::parse(readFile(dir_ / "report.json")); }
 
   /** Writes a guess file: the true pose of B in A, rotated by \a yaw_deg and moved by \a dx, m. */
   std::string guess(double dx, double yaw_deg) const {

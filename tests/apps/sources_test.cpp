@@ -12,7 +12,6 @@ using Json = nlohmann::json;
 
 class SourcesOfMaps : public AppTest {
  protected:
-  Json report() const { return Json::parse(readFile(dir_ / "report.json")); }
   /** Writes the voxels of a map to an octree file that can be compared. */
   std::string voxelsOf(const std::string& map) const {
     EXPECT_EQ(mapFusion("transform " + map + " --pose \"[0 0 0 0 0 0]\" -o voxels.ot -q").code, 0);

@@ -123,6 +123,31 @@ TEST(MapReplica, ForgetsBlocksThatTheMapNoLongerHas) {
   EXPECT_TRUE(sent.takeObsolete().empty());
 }
 
+TEST(MapReplica, LooksAtAMapThatComesAtOnceWhenAllOfItIsThere) {
+  const auto samples = SentMap(MapReplica(kSource)).update(growing(1));
+  MapReplica whole(kSource), at_once(kSource), one_by_one(kSource);
+  for (const Sample& s : samples) whole.add(s);
+  auto with_surplus = samples;  // followed by blocks that the index does not name
+  for (const Sample& s : SentMap(MapReplica(kSource)).update(growing(4)))
+    if (s.key.kind == SampleKind::Block && whole.versionOf(s.key.number) == 0)
+      with_surplus.push_back(s);
+  ASSERT_GT(with_surplus.size(), samples.size());
+  at_once.add(with_surplus);
+  for (const Sample& s : with_surplus) one_by_one.add(s);
+  EXPECT_EQ(at_once.completeVersion(), 1 * kFirst);
+  EXPECT_EQ(one_by_one.completeVersion(), 1 * kFirst);
+  EXPECT_EQ(at_once.bytes(), whole.bytes());
+  EXPECT_GT(one_by_one.bytes(), whole.bytes());
+}
+
+TEST(MapReplica, ADamagedSampleOfManyLeavesTheSamplesBeforeIt) {
+  auto samples = SentMap(MapReplica(kSource)).update(growing(1));
+  samples[samples.size() / 2].bytes.assign(9000, 'x');
+  MapReplica replica(kSource);
+  EXPECT_THROW(replica.add(samples), std::runtime_error);
+  EXPECT_EQ(replica.samples().size(), samples.size() / 2);
+}
+
 TEST(MapReplica, RefusesDamagedSamplesAndStaysAsItWas) {
   MapReplica replica(kSource);
   const auto samples = SentMap(replica).update(growing(2));

@@ -177,6 +177,24 @@ TEST_F(Join, ARobotThatLeavesBeforeAllMapsAreThereSaysSo) {
   EXPECT_FALSE(fs::exists(dir_ / "f.ot"));
 }
 
+TEST_F(Join, MapsThatDoNotJoinAreReportedAndNotMerged) {
+  if (!connect(2)) GTEST_SKIP() << reason_;
+  ASSERT_EQ(
+      mapFusion("build -q /usr/share/mrpt/datasets/localization_demo.simplemap.gz -o r2.ot").code,
+      0);
+  start(2);
+  const auto joined = network("run", "1 " MAP_FUSION
+                                     " join --robot r1 --map r1.ot --domain 7 -o fused1.ot"
+                                     " --until-complete 2 --for 40 --report page.html"
+                                     " --poses-out poses.tum --json report.json");
+  EXPECT_EQ(joined.code, 3) << joined.err << logs();
+  EXPECT_EQ(joined.out.find("merged by"), std::string::npos) << joined.out;
+  EXPECT_FALSE(fs::exists(dir_ / "fused1.ot"));
+  EXPECT_TRUE(fs::exists(dir_ / "page.html") && fs::exists(dir_ / "poses.tum"));
+  ASSERT_EQ(report().at("robots").size(), 2U);
+  for (const auto& robot : report().at("robots")) EXPECT_FALSE(robot.at("joined")) << robot;
+}
+
 TEST_F(Join, ABaseStationWithoutAMapFollowsMapsThatChange) {
   if (!connect(3)) GTEST_SKIP() << reason_;
   fs::remove(dir_ / "r3.ot");

@@ -12,6 +12,7 @@
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "commands/commands.h"
@@ -67,8 +68,9 @@ class Member {
     if (!run.args.recording.empty()) recorder_ = mrptMaps().recordMission(run.args.recording);
   }
 
-  /** Stays in the team until the arguments or a signal say so. */
-  void stay() {
+  /** Stays in the team until the arguments or a signal say so.
+   * \return True if all wanted maps are there, and all robots whose maps are known have joined. */
+  bool stay() {
     const auto end = Clock::now() + std::chrono::duration<double>(run_.args.seconds);
     do {
       if (live_ && reading_.isDue()) read();
@@ -80,34 +82,23 @@ class Member {
       team_.wait();
     } while (!stopWanted() && !isComplete() && (run_.args.seconds <= 0 || Clock::now() < end));
     if (team_.finish()) take();
-    is_complete_ = isComplete();
-    if (is_complete_) team_.sayFarewell();
+    const bool is_complete = isComplete();
+    if (is_complete) team_.sayFarewell();
     tell();
-    sayWhatIsMissing();
-  }
-
-  /** True if all robots whose maps are known have joined, and all wanted maps are there. */
-  bool allJoined() const {
+    const bool has_wanted = run_.args.until_complete == 0 || is_complete;
+    if (!has_wanted)
+      note("left before the team was complete: " + std::to_string(team_.knowledge().whole_maps) +
+           " of " + std::to_string(run_.args.until_complete) + " maps are there as a whole");
+    if (!run_.args.output.empty() && !has_saved_)
+      note(run_.args.output + " was not written: fewer than 2 maps have joined");
     const auto& members = run_.report.members;
-    return (run_.args.until_complete == 0 || is_complete_) &&
+    return has_wanted &&
            std::all_of(members.begin(), members.end(), [](const auto& m) { return m.joined; });
   }
 
  private:
   void read() {
     if (const auto map = live_->readIfChanged(run_)) team_.publish(map);
-  }
-
-  /** Notes that this robot leaves before all wanted maps are there, and without a fused map. */
-  void sayWhatIsMissing() {
-    if (run_.args.until_complete > 0 && !is_complete_)
-      note("left before the team was complete: " + std::to_string(team_.knowledge().whole_maps) +
-           " of " + std::to_string(run_.args.until_complete) + " maps are there as a whole");
-    const auto& members = run_.report.members;
-    const bool has_fused = std::count_if(members.begin(), members.end(),
-                                         [](const FusionMember& m) { return m.joined; }) > 1;
-    if (!run_.args.output.empty() && !has_fused)
-      note(run_.args.output + " was not written: fewer than 2 maps have joined");
   }
 
   /** Records what has changed. A full disk ends the recording, not the robot. */
@@ -137,7 +128,7 @@ class Member {
     if (notes_.size() < kMostNotes && notes_.insert(text).second) run_.note(text);
   }
 
-  /** Writes all outputs. */
+  /** Writes all outputs; the fused map only if maps have joined. */
   void save() {
     const auto& state = *saved_;
     run_.report.members = state.members;
@@ -151,13 +142,18 @@ class Member {
       run_.report.maps.push_back(mrpt::fusion::reportOn(map.robot, map.robot, *map.map.octree()));
       run_.report.maps.back().sources = map.map.sources();
     }
+    run_.endStep("fuse");
+    if (state.members.size() < 2) return;
     const auto joined = std::count_if(state.members.begin(), state.members.end(),
                                       [](const FusionMember& m) { return m.joined; });
-    run_.endStep("fuse");
-    if (joined < 2) return;
-    if (!run_.args.output.empty()) saveFused(run_, state.map, state.sources);
-    savePoses(run_, true);
-    drawTeamPage(run_, robots, state.map);
+    const bool is_merged = joined > 1;
+    run_.report.policy = is_merged ? policy_ : std::string();
+    if (is_merged && !run_.args.output.empty()) {
+      saveFused(run_, state.map, state.sources);
+      has_saved_ = true;
+    }
+    savePoses(run_, is_merged);
+    drawTeamPage(run_, robots, is_merged ? state.map : nullptr);
     run_.saveReports();
   }
 
@@ -216,6 +212,7 @@ class Member {
   }
 
   RunContext& run_;
+  const std::string policy_ = std::exchange(run_.report.policy, {});  // of the merging
   mrpt::fusion::LinkedTeam team_;
   std::optional<LiveMap> live_;
   std::unique_ptr<MissionRecorder> recorder_;              // null: nothing is recorded
@@ -224,7 +221,7 @@ class Member {
   Timer reading_{kReadingPeriod}, status_{kStatusPeriod};
   std::string last_line_;
   std::set<std::string> notes_;  // that were printed
-  bool is_complete_ = false;     // at the end
+  bool has_saved_ = false;       // true if a fused map was written
 };
 
 }  // namespace
@@ -232,9 +229,7 @@ class Member {
 bool runJoin(RunContext& run) {
   stopAtSignals();
   choosePolicy(run);
-  Member member(run);
-  member.stay();
-  return member.allJoined();
+  return Member(run).stay();
 }
 
 }  // namespace map_fusion

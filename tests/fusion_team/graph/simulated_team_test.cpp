@@ -103,13 +103,13 @@ void expectAllJoin(size_t robots) {
     maps.push_back({std::string(1, static_cast<char>('a' + maps.size())), mapOf(recording)});
   const ManyFused fused = fuseMaps(maps, {});
   for (const TeamPair& pair : fused.pairs) {
-    EXPECT_TRUE(pair.accepted) << pair.a << pair.b;
-    EXPECT_GT(pair.probability, 0.95) << pair.a << pair.b;
+    ASSERT_TRUE(pair.accepted) << pair.a << pair.b;
+    ASSERT_GT(pair.probability, 0.95) << pair.a << pair.b;
     EXPECT_TRUE(pair.holds) << pair.a << pair.b;
   }
   for (size_t i = 0; i < maps.size(); i++) {
     const FusionMember& member = fused.members[i];
-    EXPECT_TRUE(member.joined) << member.robot;
+    ASSERT_TRUE(member.joined) << member.robot;
     const Eigen::Isometry3d truth = toEigen(relativePoseTruth(recordings[0], recordings[i]));
     EXPECT_LT(metresBetween(toEigen(member.pose.mean), truth), 0.1) << member.robot;
     EXPECT_LT(degreesBetween(toEigen(member.pose.mean), truth), 1) << member.robot;
