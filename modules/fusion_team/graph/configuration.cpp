@@ -50,7 +50,7 @@ class TeamGrowth {
     team_.place(map, T);
     additions_[map].clear();
     std::vector<bool> is_changed(ways_.n(), false);
-    for (const auto& [k, r] : team_.relations(map)) is_changed[k] = true;
+    for (const size_t k : team_.concernedBy(map)) is_changed[k] = true;
     for (auto& of_map : additions_)
       for (Addition& addition : of_map) addition.update(team_, map, is_changed);
     if (taken_out_ && !wasThere(map, T)) {
@@ -158,7 +158,7 @@ class Improvement {
     if (j != i) before.push_back({j, *team_.pose(j)});
     std::vector<size_t> touched;
     for (const Placement& p : before) {
-      for (const auto& [k, r] : team_.relations(p.map)) touched.push_back(k);
+      for (const size_t k : team_.concernedBy(p.map)) touched.push_back(k);
       team_.remove(p.map);
     }
     const std::vector<size_t> placed = TeamGrowth(team_, ways_, before).run(order);
@@ -176,7 +176,7 @@ class Improvement {
   /** Marks the maps whose moves may have another result, because a map has changed. */
   void setNew(size_t map) {
     is_new_[map] = true;
-    for (const auto& [k, r] : team_.relations(map)) is_new_[k] = true;
+    for (const size_t k : team_.concernedBy(map)) is_new_[k] = true;
     for (const size_t i : ways_.of[map]) is_new_[ways_.all[i].a] = is_new_[ways_.all[i].b] = true;
   }
 
@@ -221,7 +221,7 @@ TeamAreas areasOf(size_t k, const ScoredTeam& team) {
   };
   for (const auto& [i, r] : team.relations(k)) {
     KnownObstacles of_i;
-    unite(of_i, r.others(), r.is_sure);
+    unite(of_i, r.others(), r.standing);
     add(of_i, i);
   }
   add(team.known(k), k);

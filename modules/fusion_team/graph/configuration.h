@@ -25,8 +25,7 @@ struct TeamAreas {
 /** Returns the areas of map \a k, compared with all other placed maps, and of the other maps,
  * each compared with map \a k: conflicts show in both directions. */
 TeamAreas areasOf(size_t k, const ScoredTeam& team);
-/** Returns the score of a configuration: the confirmed area of all placed maps less the displaced,
- * the contradicted and the explained area, each over its TeamEvidence::tolerance(). Repeated rooms
+/** Returns the score of a configuration, see ScoredTeam::configuration(). Repeated rooms
  * let many maps lie on one another; a sum over pairs would prefer that pile, because it counts each
  * surface as often as maps see it. */
 double scoreOf(const Configuration& c, const TeamEvidence& evidence);

@@ -20,7 +20,8 @@ constexpr double kWorthwhile = 0.5;     // least gain of a rival over the gain o
 constexpr double kWorthSettling = 0.8;  // least score of a rival over the score of the place
 
 /** Evidence in which displaced obstacles count nothing. The errors of a chain of maps displace
- * obstacles where the chain closes a loop, until they are spread over the loop. */
+ * obstacles where the chain closes a loop, until they are spread over the loop. Parted sure matches
+ * count nothing, too: one of them alone does not refute another place. */
 class EvidenceBeforeSettling : public TeamEvidence {
  public:
   explicit EvidenceBeforeSettling(const TeamEvidence& evidence) : evidence_(evidence) {}
@@ -34,6 +35,7 @@ class EvidenceBeforeSettling : public TeamEvidence {
   bool isSure(size_t a, size_t b, const Isometry3d& T_a_b) const override {
     return evidence_.isSure(a, b, T_a_b);
   }
+  std::optional<Isometry3d> sureMatch(size_t, size_t) const override { return std::nullopt; }
   Eigen::AlignedBox3d box(size_t map) const override { return evidence_.box(map); }
   double areaOfObstacle(size_t map) const override { return evidence_.areaOfObstacle(map); }
   double areaOf(size_t map) const override { return evidence_.areaOf(map); }
@@ -61,8 +63,8 @@ std::vector<Edge> strongestTree(const ScoredTeam& team) {
     for (const auto& [b, r] : team.relations(a)) {
       if (b < a) continue;
       KnownObstacles of_a, of_b;
-      unite(of_a, r.own(), r.is_sure);
-      unite(of_b, r.others(), r.is_sure);
+      unite(of_a, r.own(), r.standing);
+      unite(of_b, r.others(), r.standing);
       edges.push_back({team.scoreOf(of_a, a) + team.scoreOf(of_b, b), a, b});
     }
   std::sort(edges.begin(), edges.end(), [](const Edge& g, const Edge& h) {

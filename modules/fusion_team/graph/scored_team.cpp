@@ -26,7 +26,9 @@ double countOfNew(const ObstacleSet& more, const ObstacleSet& known) {
 
 }  // namespace
 
-void unite(KnownObstacles& all, const ComparedObstacles& more, bool is_sure) {
+void unite(KnownObstacles& all, const ComparedObstacles& more, Standing standing) {
+  if (standing == Standing::Parted) return unite(all.denied, more.confirmed);
+  const bool is_sure = standing == Standing::Sure;
   unite(all.confirmed, more.confirmed);
   unite(is_sure ? all.explained : all.displaced, more.displaced);
   unite(is_sure ? all.explained : all.contradicted, more.contradicted);
@@ -37,6 +39,7 @@ ScoredTeam::ScoredTeam(const Configuration& configuration, const TeamEvidence& e
       pose_(evidence.size()),
       box_(evidence.size()),
       relations_(evidence.size()),
+      parted_(evidence.size()),
       known_(evidence.size()) {
   for (size_t k = 0; k < configuration.pose.size(); k++)
     if (configuration.pose[k]) place(k, *configuration.pose[k]);
@@ -48,14 +51,41 @@ double ScoredTeam::score() const {
   return sum;
 }
 
+double ScoredTeam::deniedArea() const {
+  double sum = 0;
+  for (size_t k = 0; k < known_.size(); k++)
+    sum += evidence_->areaOfObstacle(k) * countOf(known_[k].denied);
+  return sum;
+}
+
+Isometry3d ScoredTeam::poseOfB(size_t map, const Isometry3d& T, size_t placed) const {
+  const Isometry3d T_map_placed = T.inverse() * *pose_[placed];
+  return map < placed ? T_map_placed : T_map_placed.inverse();
+}
+
 Relation ScoredTeam::relation(size_t map, const Isometry3d& T, size_t placed) const {
-  const Isometry3d& T_placed = *pose_[placed];
-  if (placed < map) {
-    const Isometry3d T_a_b = T_placed.inverse() * T;
-    return {&evidence_->near(placed, map, T_a_b), false, evidence_->isSure(placed, map, T_a_b)};
+  const auto [a, b] = std::minmax(map, placed);
+  const Isometry3d T_a_b = poseOfB(map, T, placed);
+  return {&evidence_->near(a, b, T_a_b), a == map,
+          evidence_->isSure(a, b, T_a_b) ? Standing::Sure : Standing::Unsure};
+}
+
+std::optional<Relation> ScoredTeam::partedRelation(size_t map, const Isometry3d& T,
+                                                   size_t placed) const {
+  const auto [a, b] = std::minmax(map, placed);
+  const auto sure = evidence_->sureMatch(a, b);
+  if (!sure || evidence_->isSame(b, poseOfB(map, T, placed), *sure)) return std::nullopt;
+  return Relation{&evidence_->near(a, b, *sure), a == map, Standing::Parted};
+}
+
+std::vector<std::pair<size_t, Relation>> ScoredTeam::partedRelations(size_t map,
+                                                                     const Isometry3d& T) const {
+  std::vector<std::pair<size_t, Relation>> parted;
+  for (size_t k = 0; k < pose_.size(); k++) {
+    if (!pose_[k]) continue;
+    if (const auto r = partedRelation(map, T, k)) parted.emplace_back(k, *r);
   }
-  const Isometry3d T_a_b = T.inverse() * T_placed;
-  return {&evidence_->near(map, placed, T_a_b), true, evidence_->isSure(map, placed, T_a_b)};
+  return parted;
 }
 
 std::vector<size_t> ScoredTeam::mapsAt(const Eigen::AlignedBox3d& box) const {
@@ -67,26 +97,32 @@ std::vector<size_t> ScoredTeam::mapsAt(const Eigen::AlignedBox3d& box) const {
 
 void ScoredTeam::place(size_t map, const Isometry3d& T) {
   box_[map] = boxAt(map, T);
+  const auto relate = [&](size_t other, const Relation& r, auto& relations) {
+    relations[map].emplace_back(other, r);
+    relations[other].emplace_back(map, r.inverse());
+    unite(known_[map], r.own(), r.standing);
+    unite(known_[other], r.others(), r.standing);
+  };
   for (const size_t other : mapsAt(box_[map])) {
     const Relation r = relation(map, T, other);
-    if (r.own().confirmed.empty()) continue;
-    relations_[map].emplace_back(other, r);
-    relations_[other].emplace_back(map, r.inverse());
-    unite(known_[map], r.own(), r.is_sure);
-    unite(known_[other], r.others(), r.is_sure);
+    if (!r.own().confirmed.empty()) relate(other, r, relations_);
   }
+  for (const auto& [other, r] : partedRelations(map, T)) relate(other, r, parted_);
   pose_[map] = T;
 }
 
 void ScoredTeam::remove(size_t map) {
-  for (const auto& [other, r] : relations_[map]) {
-    auto& of_other = relations_[other];
-    of_other.erase(std::find_if(of_other.begin(), of_other.end(),
-                                [&](const auto& entry) { return entry.first == map; }));
+  for (const size_t other : concernedBy(map)) {
     known_[other] = {};
-    for (const auto& [k, s] : of_other) unite(known_[other], s.own(), s.is_sure);
+    for (auto* of_other : {&relations_[other], &parted_[other]}) {
+      of_other->erase(std::remove_if(of_other->begin(), of_other->end(),
+                                     [&](const auto& entry) { return entry.first == map; }),
+                      of_other->end());
+      for (const auto& [k, r] : *of_other) unite(known_[other], r.own(), r.standing);
+    }
   }
   relations_[map].clear();
+  parted_[map].clear();
   known_[map] = {};
   pose_[map].reset();
 }
@@ -96,18 +132,27 @@ double ScoredTeam::scoreOf(const KnownObstacles& o, size_t map) const {
   return evidence_->areaOfObstacle(map) *
          (countOf(o.confirmed) - countOf(o.displaced) / tolerance.displaced -
           countOf(o.contradicted) / tolerance.contradicted -
-          countOf(o.explained) / tolerance.explained);
+          countOf(o.explained) / tolerance.explained - countOf(o.denied));
+}
+
+std::vector<size_t> ScoredTeam::concernedBy(size_t map) const {
+  std::vector<size_t> maps;
+  for (const auto* list : {&relations_[map], &parted_[map]})
+    for (const auto& [k, r] : *list) maps.push_back(k);
+  return maps;
 }
 
 double ScoredTeam::openArea(size_t map) const {
   return evidence_->areaOf(map) - evidence_->areaOfObstacle(map) * countOf(known_[map].confirmed);
 }
 
-double ScoredTeam::gainOf(size_t placed, const ComparedObstacles& more, bool is_sure) const {
+double ScoredTeam::gainOf(size_t placed, const ComparedObstacles& more, Standing standing) const {
   const KnownObstacles& known = known_[placed];
   const ConflictTolerance tolerance = evidence_->tolerance(placed);
+  const double area = evidence_->areaOfObstacle(placed);
+  if (standing == Standing::Parted) return -area * countOfNew(more.confirmed, known.denied);
   double conflicts = 0;
-  if (!is_sure) {
+  if (standing == Standing::Unsure) {
     conflicts = countOfNew(more.displaced, known.displaced) / tolerance.displaced +
                 countOfNew(more.contradicted, known.contradicted) / tolerance.contradicted;
   } else {  // the two sets are disjoint
@@ -115,8 +160,7 @@ double ScoredTeam::gainOf(size_t placed, const ComparedObstacles& more, bool is_
                  countOfNew(more.contradicted, known.explained)) /
                 tolerance.explained;
   }
-  return evidence_->areaOfObstacle(placed) *
-         (countOfNew(more.confirmed, known.confirmed) - conflicts);
+  return area * (countOfNew(more.confirmed, known.confirmed) - conflicts);
 }
 
 Addition::Addition(size_t map, const Isometry3d& T, const ScoredTeam& team, double least)
@@ -127,6 +171,12 @@ Addition::Addition(size_t map, const Isometry3d& T, const ScoredTeam& team, doub
   };
   std::stable_sort(open_.begin(), open_.end(),
                    [&](size_t i, size_t j) { return distance(i) > distance(j); });
+  for (const auto& [k, r] : team.partedRelations(map, T)) add(k, r);
+}
+
+void Addition::add(size_t placed, const Relation& r) {
+  asked_.emplace_back(placed, r);
+  unite(known_, r.own(), r.standing);
 }
 
 double Addition::openArea(const ScoredTeam& team) const {
@@ -139,16 +189,15 @@ double Addition::openArea(const ScoredTeam& team) const {
 double Addition::gain(const ScoredTeam& team) {
   if (is_current_) return gain_;
   double of_others = 0;
-  for (const auto& [k, r] : asked_) of_others += team.gainOf(k, r.others(), r.is_sure);
+  for (const auto& [k, r] : asked_) of_others += team.gainOf(k, r.others(), r.standing);
   gain_ = of_others + team.scoreOf(known_, map_);
   while (!open_.empty() && gain_ + openArea(team) > least_) {
     const size_t k = open_.back();
     open_.pop_back();
     const Relation r = team.relation(map_, T_, k);
     if (r.own().confirmed.empty()) continue;
-    asked_.emplace_back(k, r);
-    unite(known_, r.own(), r.is_sure);
-    of_others += team.gainOf(k, r.others(), r.is_sure);
+    add(k, r);
+    of_others += team.gainOf(k, r.others(), r.standing);
     gain_ = of_others + team.scoreOf(known_, map_);
   }
   if (!open_.empty()) gain_ = std::min(gain_, least_);
@@ -159,6 +208,10 @@ double Addition::gain(const ScoredTeam& team) {
 void Addition::update(const ScoredTeam& team, size_t placed, const std::vector<bool>& changed) {
   if (team.box(placed).intersects(box_)) {
     open_.push_back(placed);
+    is_current_ = false;
+  }
+  if (const auto parted = team.partedRelation(map_, T_, placed)) {
+    add(placed, *parted);
     is_current_ = false;
   }
   const auto is_changed = [&](size_t k) { return changed[k]; };

@@ -15,39 +15,52 @@ namespace mrpt::fusion {
 /** Obstacles of a map, compared with all other placed maps. */
 struct KnownObstacles : ComparedObstacles {
   ObstacleSet explained;  ///< Obstacles in the free space of a map with a sure match
+  ObstacleSet denied;     ///< Obstacles that sure matches confirm with maps that lie elsewhere
+};
+
+/** What the evidence of two placed maps stands for. */
+enum class Standing {
+  Unsure,  ///< Evidence where the maps lie
+  Sure,    ///< Evidence where the maps lie, at a sure pose: it explains the conflicts
+  Parted   ///< Evidence at the pose of a sure match, from which the maps lie apart
 };
 
 /** What two placed maps say about each other, seen from one of them. */
 struct Relation {
   const PairEvidence* evidence;  ///< Evidence of the pair
   bool is_a;                     ///< True if this map is map A of the evidence
-  bool is_sure;                  ///< True if a sure match places the maps so
+  Standing standing;             ///< What the evidence stands for
 
   /** Obstacles of this map. */
   const ComparedObstacles& own() const { return is_a ? evidence->of_a : evidence->of_b; }
   /** Obstacles of the other map. */
   const ComparedObstacles& others() const { return is_a ? evidence->of_b : evidence->of_a; }
-  Relation inverse() const { return {evidence, !is_a, is_sure}; }
+  Relation inverse() const { return {evidence, !is_a, standing}; }
 };
 
 /** Adds to the known obstacles of a map what another map says about them. */
-void unite(KnownObstacles& all, const ComparedObstacles& more, bool is_sure);
+void unite(KnownObstacles& all, const ComparedObstacles& more, Standing standing);
 
-/** A configuration with its score. Only the maps that meet a map change when it is placed. The
- * evidence must outlive it. */
+/** A configuration with its score. Only the maps that meet a map, or have a sure match with it,
+ * change when it is placed. The evidence must outlive it. */
 class ScoredTeam {
  public:
   ScoredTeam(const Configuration& configuration, const TeamEvidence& evidence);
 
   const TeamEvidence& evidence() const { return *evidence_; }
-  /** Returns the poses with their score: the confirmed area of all placed maps less the displaced,
-   * the contradicted and the explained area, each over its TeamEvidence::tolerance(). */
+  /** Returns the poses with their score: the confirmed area of all placed maps, less the displaced,
+   * the contradicted and the explained area, each over its TeamEvidence::tolerance(), less the
+   * denied area. Where a configuration parts the maps of a sure match, the match is lost evidence:
+   * that each of both maps is confirmed by other maps does not make up for it. */
   Configuration configuration() const { return {pose_, score()}; }
   double score() const;
+  /** Returns the area of the obstacles of all maps that parted sure matches confirm. */
+  double deniedArea() const;
   bool isPlaced(size_t map) const { return pose_[map].has_value(); }
   const std::optional<Eigen::Isometry3d>& pose(size_t map) const { return pose_[map]; }
 
-  /** Places a map that is not placed. Cost: O(n) boxes, and the evidence of the maps that meet. */
+  /** Places a map that is not placed. Cost: O(n) boxes and sure matches, and the evidence of the
+   * maps that meet. */
   void place(size_t map, const Eigen::Isometry3d& T);
   /** Takes a placed map out. Cost: the maps that meet it, each with the maps that meet it. */
   void remove(size_t map);
@@ -63,23 +76,36 @@ class ScoredTeam {
 
   /** Returns what a map at a pose and a placed map say about each other, seen from the first. */
   Relation relation(size_t map, const Eigen::Isometry3d& T, size_t placed) const;
+  /** Returns what a map and a placed map say about each other at the pose of their sure match, seen
+   * from the first, if the pose of the map parts it. The maps need not meet. */
+  std::optional<Relation> partedRelation(size_t map, const Eigen::Isometry3d& T,
+                                         size_t placed) const;
+  /** Returns all parted relations of a map with its placed maps. Cost: O(n). */
+  std::vector<std::pair<size_t, Relation>> partedRelations(size_t map,
+                                                           const Eigen::Isometry3d& T) const;
   /** Returns the placed maps that say something about a placed map, in the order of placement. */
   const std::vector<std::pair<size_t, Relation>>& relations(size_t map) const {
     return relations_[map];
   }
+  /** Returns the placed maps whose score a placed map changes. */
+  std::vector<size_t> concernedBy(size_t map) const;
   /** Returns the area of a placed map that no other map confirms yet. */
   double openArea(size_t map) const;
   /** Returns the increase of a placed map's score by what another map says about it. */
-  double gainOf(size_t placed, const ComparedObstacles& more, bool is_sure) const;
+  double gainOf(size_t placed, const ComparedObstacles& more, Standing standing) const;
   /** Returns the score of a map with some known obstacles. */
   double scoreOf(const KnownObstacles& known, size_t map) const;
   const KnownObstacles& known(size_t map) const { return known_[map]; }
 
  private:
+  /** Returns the pose of the later of two maps in the frame of the earlier map. */
+  Eigen::Isometry3d poseOfB(size_t map, const Eigen::Isometry3d& T, size_t placed) const;
+
   const TeamEvidence* evidence_;
   std::vector<std::optional<Eigen::Isometry3d>> pose_;
   std::vector<Eigen::AlignedBox3d> box_;
-  std::vector<std::vector<std::pair<size_t, Relation>>> relations_;
+  std::vector<std::vector<std::pair<size_t, Relation>>> relations_;  // of maps that meet
+  std::vector<std::vector<std::pair<size_t, Relation>>> parted_;     // of maps that lie apart
   std::vector<KnownObstacles> known_;
 };
 
@@ -108,6 +134,7 @@ class Addition {
 
  private:
   double openArea(const ScoredTeam& team) const;
+  void add(size_t placed, const Relation& r);
 
   size_t map_;
   Eigen::Isometry3d T_;

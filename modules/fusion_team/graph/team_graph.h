@@ -60,9 +60,13 @@ class TeamEvidence {
   virtual const PairEvidence& near(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const = 0;
   /** True if two poses of map \a b in one frame are the same place. */
   virtual bool isSame(size_t b, const Eigen::Isometry3d& T, const Eigen::Isometry3d& U) const = 0;
-  /** True if maps a < b alone are sure that map \a b is there: by their match, or because they fit
-   * nowhere else nearly as well. The conflicts that they have at this place are weighed already. */
+  /** True if maps a < b are sure that map \a b is there: by their match, by sure matches with two
+   * other maps, or because they fit nowhere else nearly as well. The conflicts that they have at
+   * this place are weighed already. */
   virtual bool isSure(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const = 0;
+  /** Returns the pose of map \a b in the frame of map \a a that the match of maps a < b gives, if
+   * the match is sure. A configuration that contradicts it is less probable. */
+  virtual std::optional<Eigen::Isometry3d> sureMatch(size_t a, size_t b) const = 0;
   /** Bounding box of a map in its frame, m. Maps whose boxes do not meet have no evidence. */
   virtual Eigen::AlignedBox3d box(size_t map) const = 0;
   /** Area of each obstacle in the evidence of a map, m^2. */

@@ -66,27 +66,63 @@ Configuration without(const Configuration& c, const std::vector<size_t>& maps,
   return rest;
 }
 
+/** Returns the number of sure matches whose maps lie as the match says in the best configuration,
+ * but not in another configuration. */
+size_t partedMatches(const Configuration& best, const Configuration& other,
+                     const TeamEvidence& evidence) {
+  size_t n = 0;
+  for (size_t a = 0; a < best.pose.size(); a++)
+    for (size_t b = a + 1; b < best.pose.size(); b++) {
+      if (!best.pose[a] || !best.pose[b] || !other.pose[a] || !other.pose[b]) continue;
+      const auto T = evidence.sureMatch(a, b);
+      if (T && evidence.isSame(b, best.pose[a]->inverse() * *best.pose[b], *T) &&
+          !evidence.isSame(b, other.pose[a]->inverse() * *other.pose[b], *T))
+        n++;
+    }
+  return n;
+}
+
+/** Returns the score that connects the rigid groups of a rival of the best configuration. One sure
+ * match alone may be wrong: it does not refute a rival. */
+double connectingScore(const Configuration& rival, const Configuration& best,
+                       const std::vector<std::vector<size_t>>& groups,
+                       const TeamEvidence& evidence) {
+  const bool counts_denied = partedMatches(best, rival, evidence) > 1;
+  const auto scoreOfMaps = [&](const Configuration& c) {
+    const ScoredTeam team(c, evidence);
+    return team.score() + (counts_denied ? 0 : team.deniedArea());
+  };
+  double score = scoreOfMaps(rival);
+  for (const auto& group : groups) score -= scoreOfMaps(with(rival, group, evidence));
+  return score;
+}
+
 /** Raises the runner-up of the maps that a rival places differently in the frame of the first map.
  * What connects the rigid groups counts, not what the maps of a group say about each other: both
- * configurations share it. */
-void compareWith(const Configuration& rival, const TeamEvidence& evidence,
-                 TeamSearchResult& result) {
+ * configurations share it. A rival that gains much is settled before it counts: else the best
+ * configuration with the errors of a chain of maps would be its own rival. */
+void compareWith(const Configuration& rival, const TeamEvidence& evidence, TeamSearchResult& result,
+                 bool is_settled = false) {
+  constexpr double kWorthSettling = 0.5;  // gain over the gain of the place
   const auto groups = rigidGroups(result.best, rival, evidence);
   if (groups.size() < 2) return;
-  double apart = 0, apart_of_rival = 0;
+  double apart = 0;
   std::vector<size_t> moved;
-  for (size_t i = 0; i < groups.size(); i++) {
-    apart_of_rival += with(rival, groups[i], evidence).score;
-    if (i == 0) continue;
+  for (size_t i = 1; i < groups.size(); i++) {
     apart += with(result.best, groups[i], evidence).score;
     moved.insert(moved.end(), groups[i].begin(), groups[i].end());
   }
   // A map that the rival does not place stays with the largest group.
   apart += without(result.best, moved, evidence).score;
   const double gain = result.best.score - apart;
-  const double gain_of_rival = rival.score - apart_of_rival;
+  const double gain_of_rival = connectingScore(rival, result.best, groups, evidence);
   if (gain_of_rival <= 0) return;
   const double ratio = gain > 0 ? gain_of_rival / gain : 2;
+  if (!is_settled && ratio > kWorthSettling) {
+    Configuration settled = rival;
+    settle(settled, evidence);
+    return compareWith(settled, evidence, result, true);
+  }
   const auto with_first = std::find_if(groups.begin(), groups.end(), [&](const auto& group) {
     return std::find(group.begin(), group.end(), result.first) != group.end();
   });

@@ -85,6 +85,7 @@ EvidenceOfMaps::EvidenceOfMaps(const std::vector<RobotMap>& maps, const Options&
     sure_[a].resize(pairs_[a].size());
   }
   min_overlap_ = options.evaluation.min_overlap;
+  max_conflict_ = options.evaluation.max_free_conflict;
   tolerance_ = options.evaluation.tolerance;
   tolerance_.translation *= scale;
 }
@@ -102,7 +103,9 @@ double EvidenceOfMaps::overlapOf(size_t a, size_t b, const PairEvidence& e) cons
 
 double EvidenceOfMaps::rivalOf(const PairMatch& match, const Eigen::Isometry3d& T_a_b) const {
   const PairEvidence& of_pose = near(match.a, match.b, T_a_b);
-  if (overlapOf(match.a, match.b, of_pose) < min_overlap_ || fit(of_pose) <= 0)
+  const double conflicts = of_pose.displaced() + of_pose.contradicted();
+  if (overlapOf(match.a, match.b, of_pose) < min_overlap_ ||
+      conflicts > max_conflict_ * (of_pose.confirmed() + conflicts) || fit(of_pose) <= 0)
     return std::numeric_limits<double>::infinity();
   double rival = 0;
   for (const Eigen::Isometry3d& T : hypothesesOf(match)) {
@@ -117,9 +120,8 @@ bool EvidenceOfMaps::holds(const PairMatch& match) const {
 }
 
 std::optional<Eigen::Isometry3d> EvidenceOfMaps::clearPoseOf(const PairMatch& match) const {
-  constexpr double kMostRival = 0.5;  // a wrong pose has a stronger rival
   for (const Eigen::Isometry3d& T : hypothesesOf(match))
-    if (rivalOf(match, T) <= kMostRival) return T;
+    if (rivalOf(match, T) <= kMostRivalOfClear) return T;
   return std::nullopt;
 }
 
@@ -156,14 +158,44 @@ void EvidenceOfMaps::adaptTolerance(const std::vector<PairMatch>& matches) {
 void EvidenceOfMaps::setSureMatches(const std::vector<PairMatch>& matches,
                                     double least_probability) {
   for (const PairMatch& m : matches) {
-    const bool is_sure = m.alignment.evaluation.probability >= least_probability && holds(m);
-    sure_[m.a][m.b - m.a - 1] = is_sure ? std::optional(m.alignment.match.T_a_b) : clearPoseOf(m);
+    const Evaluation& e = m.alignment.evaluation;
+    const Eigen::Isometry3d& T = m.alignment.match.T_a_b;
+    const bool is_match =
+        holds(m) && (e.probability >= least_probability || rivalOf(m, T) <= kMostRivalOfClear);
+    const auto pose = is_match ? std::optional(T) : clearPoseOf(m);
+    sure_[m.a][m.b - m.a - 1] = pose ? std::optional(SurePose{*pose, is_match}) : std::nullopt;
   }
+  for (size_t a = 0; a < size(); a++)
+    for (size_t b = a + 1; b < size(); b++) {
+      if (sureMatch(a, b)) continue;
+      if (const auto pose = poseByOthers(a, b)) sure_[a][b - a - 1] = SurePose{*pose, false};
+    }
+}
+
+std::optional<Eigen::Isometry3d> EvidenceOfMaps::poseByOthers(size_t a, size_t b) const {
+  std::vector<Eigen::Isometry3d> poses;
+  for (size_t k = 0; k < size(); k++) {
+    if (k == a || k == b) continue;
+    const auto T_min_max = [&](size_t i) { return sureMatch(std::min(i, k), std::max(i, k)); };
+    const auto of_a = T_min_max(a), of_b = T_min_max(b);
+    if (!of_a || !of_b) continue;
+    const Eigen::Isometry3d T_a_k = a < k ? *of_a : of_a->inverse();
+    const Eigen::Isometry3d T_a_b = T_a_k * (b < k ? of_b->inverse() : *of_b);
+    for (const Eigen::Isometry3d& T : poses)
+      if (isSame(b, T, T_a_b)) return T;
+    poses.push_back(T_a_b);
+  }
+  return std::nullopt;
 }
 
 bool EvidenceOfMaps::isSure(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const {
-  const auto& T = sure_[a][b - a - 1];
-  return T && isSame(b, T_a_b, *T);
+  const auto& sure = sure_[a][b - a - 1];
+  return sure && isSame(b, T_a_b, sure->T_a_b);
+}
+
+std::optional<Eigen::Isometry3d> EvidenceOfMaps::sureMatch(size_t a, size_t b) const {
+  const auto& sure = sure_[a][b - a - 1];
+  return sure && sure->is_match ? std::optional(sure->T_a_b) : std::nullopt;
 }
 
 const PairEvidence& EvidenceOfMaps::near(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const {

@@ -41,6 +41,7 @@ class EvidenceOfMaps : public TeamEvidence {
   const PairEvidence& near(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const override;
   bool isSame(size_t b, const Eigen::Isometry3d& T, const Eigen::Isometry3d& U) const override;
   bool isSure(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const override;
+  std::optional<Eigen::Isometry3d> sureMatch(size_t a, size_t b) const override;
   Eigen::AlignedBox3d box(size_t map) const override { return box_[map]; }
   double areaOfObstacle(size_t map) const override { return area_of_obstacle_[map]; }
   double areaOf(size_t map) const override { return area_[map]; }
@@ -50,22 +51,33 @@ class EvidenceOfMaps : public TeamEvidence {
    * only then: a wrong match may claim to be sure. */
   bool holds(const PairMatch& match) const;
   /** Sets the tolerance of each place to a multiple of the shares of conflicts of its maps, at the
-   * clear poses of their pairs. A pose is clear if no other hypothesis of the pair fits half as
-   * well; what the matches claim does not count. Maps that clear poses connect are one place. The
-   * tolerance of a place where nothing moves is the least; a fixed share is the largest. People who
-   * walk are obstacles in one map and free space in another. */
+   * clear poses of their pairs. A pose is clear if it has the overlap and the few conflicts of an
+   * accepted match, and no other hypothesis of the pair fits half as well; what the matches claim
+   * does not count. Maps that clear poses connect are one place. The tolerance of a place where
+   * nothing moves is the least; a fixed share is the largest. People who walk are obstacles in one
+   * map and free space in another. */
   void adaptTolerance(const std::vector<PairMatch>& matches);
-  /** Sets the sure poses, see isSure(): those of matches that hold() with at least a probability,
-   * and the clear poses of other pairs. */
+  /** Sets the sure poses, see isSure(): those of sure matches, those that two pairs of sure matches
+   * with other maps give, and the clear poses of other pairs. A match is sure if it holds(), and
+   * has at least a probability or a clear pose. Cost: O(n^3). */
   void setSureMatches(const std::vector<PairMatch>& matches, double least_probability);
 
  private:
+  /** A pose of which two maps are sure. */
+  struct SurePose {
+    Eigen::Isometry3d T_a_b;
+    bool is_match;  // the match of the maps is sure, see sureMatch()
+  };
   /** How well a pair fits: confirmed obstacles less conflicts over kMostTolerance. */
   double fit(const PairEvidence& e) const;
   /** Share of the surface of both maps that is confirmed. */
   double overlapOf(size_t a, size_t b, const PairEvidence& e) const;
-  /** Best fit of another hypothesis of a match over the fit of a pose; infinity without overlap. */
+  /** Best fit of another hypothesis of a match over the fit of a pose. Infinity if the pose has
+   * less overlap or more conflicts than an accepted match. */
   double rivalOf(const PairMatch& match, const Eigen::Isometry3d& T_a_b) const;
+  /** Pose of map \a b in the frame of map \a a that sure matches of both with two other maps give,
+   * if they agree. */
+  std::optional<Eigen::Isometry3d> poseByOthers(size_t a, size_t b) const;
   /** Pose of the maps of a match without a strong rival, if there is one. */
   std::optional<Eigen::Isometry3d> clearPoseOf(const PairMatch& match) const;
   /** Where nothing moves, a right configuration has less than half of these shares of conflicts,
@@ -73,14 +85,16 @@ class EvidenceOfMaps : public TeamEvidence {
   static constexpr ConflictTolerance kLeastTolerance{0.03, 0.01};
   /** The verdict on a pair refuses half of this share of conflicts. */
   static constexpr double kMostTolerance = 0.2;
+  /** Largest fit of the best rival of a clear pose: a wrong pose has a stronger rival. */
+  static constexpr double kMostRivalOfClear = 0.5;
   const std::vector<RobotMap>& maps_;
   std::vector<double> area_, area_of_obstacle_;
   std::vector<Eigen::AlignedBox3d> box_;
   std::vector<std::vector<std::shared_ptr<EvidenceOfPair>>> pairs_;  // by a and b - a - 1
-  std::vector<std::vector<std::optional<Eigen::Isometry3d>>> sure_;  // T_a_b, by a and b - a - 1
+  std::vector<std::vector<std::optional<SurePose>>> sure_;           // by a and b - a - 1
   std::vector<Eigen::Vector3d> middle_;
   PoseTolerance tolerance_;
-  double min_overlap_;                                 // of a match that holds
+  double min_overlap_, max_conflict_;                  // of a match that holds
   std::vector<ConflictTolerance> conflict_tolerance_;  // by map
 };
 

@@ -40,6 +40,7 @@ class Corridor : public TeamEvidence {
     return (T.translation() - U.translation()).norm() < 0.6;
   }
   bool isSure(size_t, size_t, const Isometry3d&) const override { return false; }
+  std::optional<Isometry3d> sureMatch(size_t, size_t) const override { return {}; }
   Eigen::AlignedBox3d box(size_t) const override {
     return {Vector3d(0.1, 0, 0), Vector3d(kLength - 0.1, 2, 2)};
   }

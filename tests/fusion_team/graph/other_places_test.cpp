@@ -28,6 +28,7 @@ class Row : public TeamEvidence {
     return isNear(T, U, 0.6);
   }
   bool isSure(size_t, size_t, const Isometry3d&) const override { return false; }
+  std::optional<Isometry3d> sureMatch(size_t, size_t) const override { return {}; }
   Eigen::AlignedBox3d box(size_t) const override {
     return {Eigen::Vector3d::Constant(-6), Eigen::Vector3d::Constant(6)};
   }

@@ -118,7 +118,7 @@ void expectAllJoin(size_t robots) {
 
 TEST(SimulatedTeam, SureMatchesAreNotGivenUpForMapsBesideEachOther) { expectAllJoin(3); }
 
-TEST(SimulatedTeam, ManyMapsOfAPlaceWhereThingsMoveAreNotLaidApart) { expectAllJoin(6); }
+TEST(SimulatedTeam, ManyMapsOfAPlaceWhereThingsMoveAreNotLaidApart) { expectAllJoin(9); }
 
 }  // namespace
 }  // namespace mrpt::fusion::test::simulated_team_test

@@ -27,6 +27,7 @@ class TwoPlaces : public TeamEvidence {
     return (T.translation() - U.translation()).norm() < 0.6;
   }
   bool isSure(size_t, size_t, const Isometry3d&) const override { return false; }
+  std::optional<Isometry3d> sureMatch(size_t, size_t) const override { return {}; }
   Eigen::AlignedBox3d box(size_t) const override { return everywhere(); }
   double areaOfObstacle(size_t) const override { return 1; }
   double areaOf(size_t) const override { return 64; }

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,6 +38,7 @@ class Square : public TeamEvidence {
     return (T.translation() - U.translation()).norm() < 0.6;
   }
   bool isSure(size_t, size_t, const Isometry3d&) const override { return false; }
+  std::optional<Isometry3d> sureMatch(size_t, size_t) const override { return {}; }
   Eigen::AlignedBox3d box(size_t) const override { return everywhere(); }
   double areaOfObstacle(size_t) const override { return 1; }
   double areaOf(size_t) const override { return 64; }
@@ -158,6 +160,9 @@ class SquareWithASureMatch : public Square {
   bool isSure(size_t a, size_t b, const Isometry3d& T) const override {
     return a == 0 && b == 2 && isSame(b, T, pose());
   }
+  std::optional<Isometry3d> sureMatch(size_t a, size_t b) const override {
+    return a == 0 && b == 2 ? std::optional(pose()) : std::nullopt;
+  }
 };
 
 TEST(TeamScore, ASureMatchExplainsItsConflicts) {
@@ -171,6 +176,37 @@ TEST(TeamScore, ASureMatchExplainsItsConflicts) {
   EXPECT_NEAR(scoreOf(c, square), 64 - 16 / square.tolerance(0).explained, 1e-9);
   c.pose[2] = at(6, 1);
   EXPECT_EQ(areasOf(0, ScoredTeam(c, square)).contradicted, 16) << "another place is not sure";
+}
+
+TEST(TeamScore, ASureMatchThatIsPartedIsLost) {
+  const SquareWithASureMatch square;
+  Configuration c;
+  for (size_t k = 0; k < 4; k++) c.pose.emplace_back(Square::truth(k));
+  const double confirmed = scoreOf(c, Square());
+  EXPECT_EQ(scoreOf(c, square), confirmed - 64) << "the diagonal maps do not meet";
+  const ScoredTeam team(c, square);
+  EXPECT_EQ(team.known(0).denied, (ObstacleSet{0xffffffffU})) << "as the match confirms";
+  EXPECT_EQ(team.known(1).denied, ObstacleSet());
+  c.pose[2].reset();
+  EXPECT_EQ(scoreOf(c, square), scoreOf(c, Square())) << "a map that is not placed parts nothing";
+}
+
+TEST(TeamScore, TheGainOfAMapIsTheIncreaseOfTheScore) {
+  const SquareWithASureMatch square;
+  for (const Isometry3d& T : {Square::truth(2), SquareWithASureMatch::pose(), at(6, 1)}) {
+    ScoredTeam team({{at(0, 0), Square::truth(1), std::nullopt, std::nullopt}}, square);
+    Addition early(2, T, team, -1e6);
+    team.place(3, Square::truth(3));
+    early.update(team, 3, std::vector<bool>(4, true));
+    const double before = team.score();
+    const double gain = Addition(2, T, team, -1e6).gain(team);
+    EXPECT_NEAR(early.gain(team), gain, 1e-9) << "also of a map that was placed later";
+    team.place(2, T);
+    EXPECT_NEAR(team.score(), before + gain, 1e-9);
+    team.remove(2);
+    EXPECT_NEAR(team.score(), before, 1e-9);
+    EXPECT_EQ(team.known(0).denied, ObstacleSet());
+  }
 }
 
 /** Maps that confirm each other at some places only. They do not meet anywhere else. */
@@ -192,6 +228,7 @@ class Places : public TeamEvidence {
     return (T.translation() - U.translation()).norm() < 0.6;
   }
   bool isSure(size_t, size_t, const Isometry3d&) const override { return false; }
+  std::optional<Isometry3d> sureMatch(size_t, size_t) const override { return {}; }
   Eigen::AlignedBox3d box(size_t) const override { return everywhere(); }
   double areaOfObstacle(size_t) const override { return 1; }
   double areaOf(size_t) const override { return 64 * double(maps_); }
@@ -229,6 +266,92 @@ TEST(TeamSearch, ARivalCountsByWhatConnectsItsGroups) {
   EXPECT_NEAR(found.runner_up[1], 12.0 / (60 + 20), 1e-9) << "map 1 alone at the other place";
   EXPECT_NEAR(found.runner_up[2], 12.0 / 20, 1e-9);
   EXPECT_NEAR(found.runner_up[3], 12.0 / 20, 1e-9);
+}
+
+/** Four maps of one place where things move. Maps 0 and 1 confirm each other, and so do 2 and 3. At
+ * the right pose of maps 1 and 2 each confirms what the other maps confirm already, and 8 more
+ * obstacles; 4 obstacles of each have moved. At another pose they confirm 10 new obstacles and have
+ * no conflicts. */
+class PlaceWhereThingsMove : public Places {
+ public:
+  static Isometry3d next() { return at(1, 0); }
+  /** \param[in] sure_matches Number of sure matches between the maps 0 and 1 and the maps 2 and 3.
+   */
+  explicit PlaceWhereThingsMove(size_t sure_matches)
+      : Places(4, {{{0, 1, next()}, 40}, {{2, 3, next()}, 40}, {{1, 2, at(40, 0)}, 10}}),
+        sure_matches_(sure_matches) {}
+  bool isSure(size_t a, size_t b, const Isometry3d& T) const override {
+    return a == 1 && b == 2 && isSame(b, T, next());
+  }
+  std::optional<Isometry3d> sureMatch(size_t a, size_t b) const override {
+    if (a == 1 && b == 2 && sure_matches_ > 0) return next();
+    if (a == 0 && b == 3 && sure_matches_ > 1) return at(3, 0);
+    return std::nullopt;
+  }
+  const PairEvidence& near(size_t a, size_t b, const Isometry3d& T) const override {
+    static const ObstacleSet no(4);
+    static const PairEvidence right{next(), next(), {sees(0), no, moved()}, {sees(3), no, moved()}};
+    return isSure(a, b, T) ? right : Places::near(a, b, T);
+  }
+  TeamSearchResult found() const {
+    std::vector<Way> all = ways();
+    all.push_back({1, 2, next()});
+    return searchTeam(all, *this, 16);
+  }
+
+ private:
+  /** The 40 obstacles that the partner of a map confirms, and 8 others. */
+  static ObstacleSet sees(size_t partner) {
+    ObstacleSet set(4);
+    set[partner] = (uint64_t{1} << 48) - 1;
+    return set;
+  }
+  static ObstacleSet moved() {
+    ObstacleSet set(4);
+    set[1] = 0xfU << 8;
+    return set;
+  }
+  size_t sure_matches_;
+};
+
+TEST(TeamSearch, MapsThatOtherMapsConfirmAreNotLaidApartAgainstSureMatches) {
+  const auto is_right = [](const PlaceWhereThingsMove& place, const TeamSearchResult& found) {
+    return place.isSure(1, 2, found.best.pose[1]->inverse() * *found.best.pose[2]);
+  };
+  const PlaceWhereThingsMove unsure(0), sure(1), very_sure(2);
+  EXPECT_FALSE(is_right(unsure, unsure.found())) << "16 obstacles less 8, not 20";
+  EXPECT_TRUE(is_right(sure, sure.found()));
+  EXPECT_TRUE(is_right(very_sure, very_sure.found()));
+  EXPECT_GT(sure.found().runner_up[3], 1) << "one sure match may be wrong";
+  EXPECT_EQ(very_sure.found().runner_up[3], 0) << "two sure matches refute the other pose";
+}
+
+/** Places of which one is that of a sure match. */
+class PlacesWithASureMatch : public Places {
+ public:
+  PlacesWithASureMatch(size_t maps, const std::vector<Place>& places, const Way& sure)
+      : Places(maps, places), sure_(sure) {}
+  std::optional<Isometry3d> sureMatch(size_t a, size_t b) const override {
+    return a == sure_.a && b == sure_.b ? std::optional(sure_.T_a_b) : std::nullopt;
+  }
+
+ private:
+  Way sure_;
+};
+
+TEST(TeamSearch, OneSureMatchAloneDoesNotRefuteARival) {
+  // Maps 1 and 3 say that map 2 is at 20 m. The match of maps 0 and 2 is sure of another place.
+  const Way sure{0, 2, at(0, 10)};
+  const PlacesWithASureMatch places(4,
+                                    {{{0, 1, at(10, 0)}, 40},
+                                     {{1, 2, at(10, 0)}, 30},
+                                     {{0, 3, at(15, 0)}, 40},
+                                     {{2, 3, at(-5, 0)}, 30},
+                                     {sure, 35}},
+                                    sure);
+  const TeamSearchResult found = searchTeam(places.ways(), places, 16);
+  ASSERT_TRUE(found.best.pose[0] && found.best.pose[2]);
+  EXPECT_GT(found.runner_up[2], 0.8) << "map 2 must not be placed";
 }
 
 TEST(JointVerdict, AChainOverlapsAsItsWeakestPair) {

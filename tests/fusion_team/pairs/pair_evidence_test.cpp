@@ -149,8 +149,52 @@ TEST(SureMatches, AreThoseThatTheMapsBearOut) {
   evidence.setSureMatches({claimed({beside(), kRight})}, 0.9);
   EXPECT_FALSE(evidence.isSure(0, 1, beside()));
   EXPECT_TRUE(evidence.isSure(0, 1, kRight)) << "the clear pose of the maps";
+  EXPECT_FALSE(evidence.sureMatch(0, 1)) << "the match does not say so";
   evidence.setSureMatches({claimed({kRight, beside()})}, 0.9);
   EXPECT_TRUE(evidence.isSure(0, 1, kRight));
+  ASSERT_TRUE(evidence.sureMatch(0, 1));
+  EXPECT_TRUE(evidence.sureMatch(0, 1)->isApprox(kRight));
+}
+
+/** A match of rooms \a a and \a b that is not accepted. Turned rooms fit as well. */
+PairMatch doubtful(size_t a, size_t b) {
+  PairMatch match = claimed({kRight, turned()}, a, b);
+  match.alignment.evaluation.accepted = false;
+  return match;
+}
+
+TEST(SureMatches, TwoThatAgreeExplainThePoseOfAnotherPair) {
+  const std::vector<RobotMap> maps{{"a", room(0)}, {"b", room(0)}, {"c", room(0)}, {"d", room(0)}};
+  PairMemory memory;
+  EvidenceOfMaps evidence(maps, Options(), memory);
+  std::vector<PairMatch> matches{doubtful(0, 1), doubtful(1, 3), claimed({kRight}, 0, 2),
+                                 claimed({kRight}, 1, 2), claimed({kRight}, 0, 3)};
+  evidence.setSureMatches(matches, 0.9);
+  EXPECT_FALSE(evidence.isSure(0, 1, kRight)) << "map c alone places the maps so";
+  matches[1] = claimed({kRight}, 1, 3);
+  evidence.setSureMatches(matches, 0.9);
+  EXPECT_TRUE(evidence.isSure(0, 1, kRight)) << "maps c and d place the maps so";
+  EXPECT_FALSE(evidence.isSure(0, 1, turned()));
+  EXPECT_FALSE(evidence.sureMatch(0, 1)) << "the match does not say so";
+  matches[1] = claimed({turned()}, 1, 3);
+  evidence.setSureMatches(matches, 0.9);
+  EXPECT_FALSE(evidence.isSure(0, 1, kRight)) << "maps c and d disagree";
+}
+
+TEST(SureMatches, AClearPoseHasNoMoreConflictsThanAnAcceptedMatch) {
+  const std::vector<RobotMap> maps{{"a", room(0)}, {"b", room(1.6)}};
+  const auto is_sure = [&](double max_conflict) {
+    Options options;
+    options.evaluation.max_free_conflict = max_conflict;
+    PairMemory memory;
+    EvidenceOfMaps evidence(maps, options, memory);
+    PairMatch match = claimed({kRight});
+    match.alignment.evaluation.accepted = false;
+    evidence.setSureMatches({match}, 0.9);
+    return evidence.isSure(0, 1, kRight);
+  };
+  EXPECT_TRUE(is_sure(Options().evaluation.max_free_conflict));
+  EXPECT_FALSE(is_sure(0.001)) << "things have moved";
 }
 
 }  // namespace
