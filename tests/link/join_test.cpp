@@ -159,7 +159,7 @@ TEST_F(Join, EndsWhenAllMapsAreThereAndSaysWhatIsGoingOn) {
   EXPECT_TRUE(waitFor([&] { return allEnded(); }, seconds(50))) << logs();
   EXPECT_TRUE(hasExpected(1) && hasExpected(2)) << logs();
   EXPECT_TRUE(fs::exists(dir_ / "p.g2o") && fs::exists(dir_ / "page.html"));
-  EXPECT_NE(readFile(dir_ / "log1").find("r1 complete | r2 complete | fused r1 r2\n"),
+  EXPECT_NE(readFile(dir_ / "log1").find("r1 complete | r2 complete | fused r1, r2\n"),
             std::string::npos)
       << logs();
 }

@@ -127,7 +127,7 @@ def test_options_are_those_of_the_settings_file():
     Path("o.ini").write_text(text)
     match = mf.match("a.ot", "b.ot", options="o.ini")
     assert (match.pose == mf.match("a.ot", "b.ot", options=defaults).pose).all()
-    assert defaults["VerdictModel"]["version"] == 1
+    assert defaults["VerdictModel"]["version"] == 2
     model = {"VerdictModel": {**defaults["VerdictModel"], "constant": -99}}
     assert not mf.match("a.ot", "b.ot", options=model).accepted
 

@@ -204,7 +204,7 @@ class Member {
     std::string names;
     for (const FusionMember& m : known.state->members) {
       if (!m.joined) continue;
-      names += " " + m.robot;
+      names += (names.empty() ? " " : ", ") + m.robot;
       if (const auto part = known.parts.find(m.robot); part != known.parts.end())
         names += " (" + std::to_string(part->second) + " bytes of it)";
     }
