@@ -98,12 +98,14 @@ void checkOutputs(const Arguments& args) {
             mrpt::fusion::printable(outputs[i]));
 }
 
-/** \exception CLI::ValidationError If the extension of a picture, page or scene says that the file
- * is something else. Devices and standard output take all. */
+/** \exception CLI::ValidationError If the extension of a picture, page or scene, in capitals or
+ * not, says that the file is something else. Devices and standard output take all. */
 void checkDrawings(const Arguments& args) {
   const auto check = [](const std::string& path, const std::string& what,
                         const std::string& extension) {
-    if (path.empty() || isDevice(path) || fs::path(path).extension() == extension) return;
+    using CLI::detail::to_lower;
+    if (path.empty() || isDevice(path)) return;
+    if (to_lower(fs::path(path).extension().string()) == to_lower(extension)) return;
     throw CLI::ValidationError(mrpt::fusion::printable(path) + ": " + what + " ends in " +
                                extension);
   };

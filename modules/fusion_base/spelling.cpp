@@ -41,7 +41,8 @@ std::pair<std::string, size_t> nearestTo(const std::string& word,
 
 std::string textOfNearest(const std::string& word, const std::vector<std::string>& known) {
   const auto [nearest, changes] = nearestTo(word, known);
-  const bool is_near = changes != std::string::npos && 2 * changes < word.size();
+  const size_t letters = std::min(word.size(), kMostLetters);
+  const bool is_near = changes != std::string::npos && 2 * changes < letters;
   return is_near ? "; the nearest is '" + nearest + "'" : "";
 }
 

@@ -21,8 +21,6 @@ constexpr std::chrono::milliseconds kWaiting{100};
 constexpr std::chrono::milliseconds kWaitingToSend{10};
 /** Longest time for which a robot that leaves sends what still waits. */
 constexpr std::chrono::seconds kFarewell{3};
-/** A robot leaves if it finds an older robot of its name in this time after its start. */
-constexpr std::chrono::seconds kNewcomer{10};
 /** Time in which the older of the two finds the newer, too, and can say what has happened. */
 constexpr std::chrono::seconds kBeforeLeaving{1};
 
@@ -46,7 +44,7 @@ void LinkedTeam::publish(const std::shared_ptr<const octomap::OcTree>& map) {
 LinkedTeam::Progress LinkedTeam::step() {
   Progress progress;
   is_new_ = exchange_.step() || is_new_;
-  if (const auto age = exchange_.newerAt(); age && *age < kNewcomer) {
+  if (exchange_.hasToLeave()) {
     std::this_thread::sleep_for(kBeforeLeaving);
     throw std::runtime_error(twin() + ": each robot needs a name of its own");
   }
@@ -81,8 +79,7 @@ void LinkedTeam::sayFarewell() {
 }
 
 std::string LinkedTeam::twinText() const {
-  const bool may_leave = !exchange_.isOlder() && Clock::now() - begin_ < kNewcomer;
-  return exchange_.hasTwin() && !may_leave ? twin() : "";
+  return exchange_.hasTwin() && !exchange_.mayLeave() ? twin() : "";
 }
 
 std::string LinkedTeam::twin() const {

@@ -39,8 +39,8 @@ class LinkedTeam {
     bool ended = false;  ///< True if a fusion ended: knowledge() is new
   };
   /** Receives, sends, and fuses if maps have changed.
-   * \exception std::runtime_error If the journal cannot be written, or if another robot of the same
-   * name is there, this robot started later, and met it in its first 10 s. */
+   * \exception std::runtime_error If the journal cannot be written, or if this robot has to leave
+   * because of its name, see NameDispute. */
   Progress step();
   /** Waits until samples arrive, at most 100 ms. */
   void wait();
@@ -61,7 +61,6 @@ class LinkedTeam {
  private:
   std::string twin() const;
 
-  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   std::string name_;
   std::unique_ptr<Link> link_;
   TeamExchange exchange_;

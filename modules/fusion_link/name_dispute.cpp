@@ -3,6 +3,7 @@
  * Settles which of two robots of one name leaves. */
 #include "fusion_link/name_dispute.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "fusion_base/byte_reader.h"
@@ -41,19 +42,27 @@ NameClaim nameClaimOf(std::string_view bytes) {
   return claim;
 }
 
+/** Returns what is remembered of a robot. If there are too many, the one heard of first is
+ * forgotten. */
+NameDispute::Other& NameDispute::otherOf(const NameClaim& claim, int64_t age) {
+  if (others_.count(claim.robot) == 0 && others_.size() >= kMostOthers)
+    others_.erase(
+        std::min_element(others_.begin(), others_.end(),
+                         [](const auto& a, const auto& b) { return a.second.age < b.second.age; }));
+  return others_.try_emplace(claim.robot, Other{age - claim.age, age}).first->second;
+}
+
 std::optional<NameClaim> NameDispute::hear(const NameClaim& claim, int64_t age) {
-  if (claim.robot == robot_) return std::nullopt;
-  auto other = others_.find(claim.robot);
-  const bool is_new = other == others_.end();
-  if (is_new && others_.size() >= kMostOthers) return std::nullopt;
-  if (is_new) other = others_.emplace(claim.robot, Other{age - claim.age, age}).first;
-  const int64_t lead = other->second.lead;
   const bool is_answer = claim.other == robot_;
-  const bool is_newer = std::make_pair(lead, robot_) < std::make_pair(claim.lead, claim.robot);
-  if (is_answer && is_newer) newer_at_ = other->second.age;
+  if (claim.robot == robot_ || (claim.other != 0 && !is_answer)) return std::nullopt;
+  const Other& other = otherOf(claim, age);
+  const bool is_newer =
+      is_answer ? std::make_pair(other.lead, robot_) < std::make_pair(claim.lead, claim.robot)
+                : other.lead < 0;
+  if (is_newer) newer_at_ = std::min(newer_at_.value_or(other.age), other.age);
   if (is_answer && !is_newer) is_older_ = true;
-  if (is_answer && !is_new) return std::nullopt;
-  return NameClaim{robot_, age, claim.robot, lead};
+  if (is_answer) return std::nullopt;
+  return NameClaim{robot_, age, claim.robot, other.lead};
 }
 
 }  // namespace mrpt::fusion

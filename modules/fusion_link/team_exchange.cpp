@@ -22,6 +22,12 @@ constexpr uint64_t kMostClaim = kMostVersion / 2;
 
 bool isStatement(SampleKind kind) { return kind == SampleKind::Have || kind == SampleKind::Want; }
 
+/** Time after which a robot of the same name is asked again, us: an answer may be lost. */
+constexpr int64_t kAskingPeriod = 1'000'000;
+/** Robots of the same name that are answered in a step: bounds the memory. Others ask again. A
+ * prime, so that the numbers of two robots hardly have one remainder. */
+constexpr uint64_t kMostAnswers = 61;
+
 /** Returns a number other than 0. */
 uint64_t randomNumber() {
   std::random_device random;
@@ -31,8 +37,12 @@ uint64_t randomNumber() {
 }  // namespace
 
 TeamExchange::TeamExchange(std::string robot, Link& link, const std::string& journal_folder,
-                           ExchangeLimits limits)
-    : own_{std::move(robot), {}}, link_(link), limits_(limits), name_(randomNumber()) {
+                           ExchangeLimits limits, Clock clock)
+    : own_{std::move(robot), {}},
+      link_(link),
+      limits_(limits),
+      clock_(std::move(clock)),
+      name_(randomNumber()) {
   if (!isName(own_.robot) || own_.robot.empty())
     throw std::runtime_error("the name of a robot has 1 to " + std::to_string(kMostNameCharacters) +
                              " printable characters");
@@ -137,30 +147,33 @@ void TeamExchange::meet() {
   }
 }
 
-/** Says its age to a robot of the same name, if its session is new. Nothing else is said to it. */
+/** Asks a robot of the same name at the begin of its session, and then each second as long as this
+ * robot may have to leave. Nothing else but answers is said to it. */
 void TeamExchange::meetTwin(uint64_t session) {
-  if (session == twin_session_) return;
-  twin_session_ = session;
-  outbox_.close(own_.robot);
-  if (session == 0) return;
-  outbox_.open(own_.robot);
-  state(own_.robot, SampleKind::Claim, 0, toBytes(name_.claim(age())));
+  if (session != twin_session_) {
+    twin_session_ = session;
+    outbox_.close(own_.robot);
+    if (session == 0) return;
+    outbox_.open(own_.robot);
+    askTwin();
+  } else if (session != 0 && NameDispute::asks(age()) && age() - asked_ >= kAskingPeriod) {
+    askTwin();
+  }
+}
+
+void TeamExchange::askTwin() {
+  asked_ = age();
+  state(own_.robot, SampleKind::Claim, 0, toBytes(name_.claim(asked_)));
 }
 
 void TeamExchange::settleName(const Sample& claim) {
   if (const auto answer = name_.hear(nameClaimOf(claim.bytes), age()))
-    state(own_.robot, SampleKind::Claim, answer->other, toBytes(*answer));
+    state(own_.robot, SampleKind::Claim, 1 + answer->other % kMostAnswers, toBytes(*answer));
 }
 
 int64_t TeamExchange::age() const {
   using std::chrono::microseconds;
-  return std::chrono::duration_cast<microseconds>(std::chrono::steady_clock::now() - begin_)
-      .count();
-}
-
-std::optional<std::chrono::microseconds> TeamExchange::newerAt() const {
-  const auto age = name_.newerAt();
-  return age ? std::optional(std::chrono::microseconds(*age)) : std::nullopt;
+  return std::chrono::duration_cast<microseconds>(clock_() - begin_).count();
 }
 
 bool TeamExchange::step() {

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,14 +38,18 @@ struct ExchangeLimits {
  * One thread uses an exchange at a time. */
 class TeamExchange {
  public:
+  /** Tells the time. */
+  using Clock = std::function<std::chrono::steady_clock::time_point()>;
+
   /** Continues where the journal ends.
    * \param[in] robot Name of the robot, or of a station that has no map.
    * \param[in] link The link; not owned, it must outlive the exchange.
    * \param[in] journal_folder Folder of the journal. Empty: without a journal.
    * \param[in] limits See ExchangeLimits.
+   * \param[in] clock The clock of the robot. The robot starts now.
    * \exception std::runtime_error If the name is empty or too long, or see Journal. */
   TeamExchange(std::string robot, Link& link, const std::string& journal_folder = {},
-               ExchangeLimits limits = {});
+               ExchangeLimits limits = {}, Clock clock = std::chrono::steady_clock::now);
 
   /** Sends the map of the robot, as far as it has changed.
    * \param[in] map The map. It must not change afterwards. \exception std::exception See
@@ -67,11 +71,10 @@ class TeamExchange {
   bool isWaiting() const { return outbox_.isWaiting(); }
   /** True if another robot that is there has the name of this robot. */
   bool hasTwin() const { return twin_session_ != 0; }
-  /** Returns the age at which this robot first heard of a robot of its name that started earlier.
-   * Nothing if there is none. */
-  std::optional<std::chrono::microseconds> newerAt() const;
-  /** True if a robot of its name is or was there that started later. */
-  bool isOlder() const { return name_.isOlder(); }
+  /** True if this robot has to leave now, because of a robot of its name that started earlier. */
+  bool hasToLeave() const { return name_.hasToLeave(age()); }
+  /** True if it is not yet clear whether this robot stays if another has its name. */
+  bool mayLeave() const { return name_.mayLeave(age()); }
   /** Returns the versions that other robots have of this robot's map, by their names. */
   const std::map<std::string, uint64_t>& acknowledged() const { return acknowledged_; }
   /** Returns the number of samples that were refused. */
@@ -90,6 +93,7 @@ class TeamExchange {
 
   void meet();
   void meetTwin(uint64_t session);
+  void askTwin();
   void settleName(const Sample& claim);
   int64_t age() const;
   void receive(const std::string& message, std::vector<Sample>& fresh);
@@ -115,9 +119,11 @@ class TeamExchange {
   bool asks_for_outlines_ = false;
   std::map<std::string, uint64_t> acknowledged_;
   uint64_t highest_heard_ = 0;  // highest version of this robot's map that others have
-  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  const Clock clock_;
+  const std::chrono::steady_clock::time_point begin_ = clock_();
   NameDispute name_;
   uint64_t twin_session_ = 0;  // with a robot of the same name; 0: none
+  int64_t asked_ = 0;          // age at which it was asked last, us
   size_t refused_ = 0;
   std::string reason_;
 };

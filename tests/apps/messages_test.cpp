@@ -108,6 +108,10 @@ TEST_F(Messages, NameTheExtensionsOfDrawings) {
     EXPECT_EQ(run("ls p.* p 2>/dev/null").out, "") << option;
   }
   EXPECT_EQ(mapFusion(match + "--picture /dev/null").code, 0) << "a device has no extension";
+  const std::string capitals = "--picture P.PNG --report P.HTML --scene P.3DSCENE";
+  EXPECT_EQ(mapFusion(match + capitals).code, 0) << "capitals do not matter";
+  for (const std::string name : {"P.PNG", "P.HTML", "P.3DSCENE"})
+    EXPECT_TRUE(fs::exists(dir_ / name)) << name;
 }
 
 TEST_F(Messages, SayWhatSeveralMapsHold) {

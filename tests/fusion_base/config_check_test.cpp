@@ -40,6 +40,9 @@ TEST(CheckKeys, NamesTheUnknownKey) {
             "[s] has an unknown key 'frist'; the nearest is 'first'");
   EXPECT_EQ(errorOf([] { checkKeys(fileOf("colour = 2"), "s", {"first"}); }),
             "[s] has an unknown key 'colour'");
+  const std::string message =
+      errorOf([] { checkKeys(fileOf(std::string(200, 'x') + " = 2"), "s", {"first"}); });
+  EXPECT_EQ(message.find("the nearest"), std::string::npos) << message;
   EXPECT_NE(errorOf([] { checkKeys(fileOf("first = 1"), "s", {}); }), "");
 }
 

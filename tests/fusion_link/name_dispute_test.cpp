@@ -59,25 +59,66 @@ TEST(NameDispute, ExactlyOneIsTheNewerWhateverTheLinkDoes) {
       }
 }
 
-TEST(NameDispute, ARobotAnswersAgainAfterANewSession) {
+TEST(NameDispute, ALostAnswerIsGivenAgainAndTheFirstMeetingCounts) {
   NameDispute a(7), b(5);
-  b.hear(*a.hear(b.claim(10), 500), 20);
-  EXPECT_FALSE(b.newerAt() && a.newerAt());
-  const auto answer = a.hear(b.claim(1000), 1500);  // what a had said before may be lost
-  ASSERT_TRUE(answer);
-  b.hear(*answer, 1010);
-  EXPECT_EQ(b.newerAt(), 20);  // its age when it first heard of a
+  a.hear(b.claim(5), 5);  // this answer is lost
+  EXPECT_FALSE(a.newerAt() || a.isOlder());
+  b.hear(*a.hear(b.claim(2'000'000), 2'000'010), 2'000'020);
+  a.hear(*b.hear(a.claim(2'000'030), 2'000'040), 2'000'050);
+  EXPECT_TRUE(b.isOlder());
+  EXPECT_FALSE(b.newerAt());
+  EXPECT_FALSE(a.isOlder());
+  EXPECT_EQ(a.newerAt(), 5);  // its age when it first heard of b
 }
 
-TEST(NameDispute, DamagedClaimsAreRefusedAndMemoryIsBounded) {
+TEST(NameDispute, AnswersToOtherRobotsAreIgnored) {
+  NameDispute a(7);
+  EXPECT_FALSE(a.hear(NameClaim{5, 1000, 9, -500}, 10));
+  EXPECT_FALSE(a.hear(NameClaim{7, 1000, 0, 0}, 10)) << "its own claim";
+  EXPECT_FALSE(a.newerAt() || a.isOlder());
+}
+
+TEST(NameDispute, ARobotThatHearsOfASurelyOlderRobotNeedsNoAnswer) {
+  NameDispute a(7);
+  ASSERT_TRUE(a.hear(NameClaim{5, 1000, 0, 0}, 1000));
+  EXPECT_FALSE(a.newerAt());  // they may have started in the time of a claim
+  a.hear(NameClaim{6, 1001, 0, 0}, 1000);
+  EXPECT_EQ(a.newerAt(), 1000);
+  EXPECT_TRUE(a.hasToLeave(1000));
+}
+
+TEST(NameDispute, NobodyMakesARobotLeaveThatHasRunForLong) {
+  constexpr int64_t kSecond = 1'000'000;
+  const NameClaim old{5, 9000 * kSecond, 7, 9000 * kSecond};
+  NameDispute early(7), late(7);
+  early.hear(old, 9 * kSecond);
+  EXPECT_TRUE(early.hasToLeave(59 * kSecond));
+  EXPECT_FALSE(early.hasToLeave(60 * kSecond));
+  late.hear(old, 10 * kSecond);
+  EXPECT_FALSE(late.hasToLeave(10 * kSecond));
+  NameDispute met(7);
+  met.hear({5, 0, 0, 0}, 9 * kSecond);  // in its first seconds, but it is answered much later
+  met.hear({5, 0, 7, 9000 * kSecond}, 61 * kSecond);
+  EXPECT_EQ(met.newerAt(), 9 * kSecond);
+  EXPECT_FALSE(met.hasToLeave(61 * kSecond));
+}
+
+TEST(NameDispute, DamagedClaimsAreRefused) {
   const std::string bytes = toBytes(NameClaim{1, 2, 3, 4});
   EXPECT_THROW(nameClaimOf(bytes.substr(1)), std::runtime_error);
   EXPECT_THROW(nameClaimOf(bytes + "1"), std::runtime_error);
   EXPECT_THROW(nameClaimOf(toBytes(NameClaim{1, INT64_MIN, 3, 4})), std::runtime_error);
+}
+
+TEST(NameDispute, OfTooManyRobotsThoseHeardOfFirstAreForgotten) {
   NameDispute a(1000);
-  for (uint64_t number = 1; number <= 64; number++)
-    EXPECT_TRUE(a.hear(NameClaim{number, 0, 0, 0}, 0));
-  EXPECT_FALSE(a.hear(NameClaim{65, 0, 0, 0}, 0));
+  for (int64_t number = 1; number <= 65; number++) {
+    const auto answer = a.hear(NameClaim{static_cast<uint64_t>(number), 0, 0, 0}, number);
+    ASSERT_TRUE(answer);
+    EXPECT_EQ(answer->lead, number);
+  }
+  EXPECT_EQ(a.hear(NameClaim{2, 0, 0, 0}, 100)->lead, 2);    // remembered
+  EXPECT_EQ(a.hear(NameClaim{1, 0, 0, 0}, 100)->lead, 100);  // forgotten
 }
 
 }  // namespace

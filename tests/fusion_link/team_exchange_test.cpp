@@ -7,7 +7,6 @@
 
 #include <filesystem>
 #include <random>
-#include <thread>
 
 #include "fusion_base/byte_writer.h"
 #include "fusion_link/simulated_network.h"
@@ -125,56 +124,6 @@ TEST(TeamExchange, NothingIsSentTwiceAfterAPartition) {
   network.separate(*a.port, *b.port, false);
   run(network, {&a, &b}, 20);
   EXPECT_LT(sent() - before, 200U);  // what the robots have of each other's maps
-}
-
-TEST(TeamExchange, ARobotKnowsThatAnotherHasItsName) {
-  SimulatedNetwork network(15, kGood);
-  Robot a(network, "a"), b(network, "b");
-  run(network, {&a, &b}, 2);
-  EXPECT_FALSE(a.exchange.hasTwin());
-  Robot twin(network, "a");
-  run(network, {&a, &b, &twin}, 2);
-  EXPECT_TRUE(a.exchange.hasTwin() && twin.exchange.hasTwin());
-  EXPECT_FALSE(b.exchange.hasTwin());
-}
-
-TEST(TeamExchange, OfTwoRobotsOfANameTheLaterIsTheNewerWhoeverFindsTheOtherFirst) {
-  for (const bool older_looks_first : {true, false}) {
-    SimulatedNetwork network(15, kGood);
-    Robot older(network, "a"), other(network, "b");
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    Robot newer(network, "a");
-    const Map map = clutter(1, 1);
-    older.exchange.publish(map);
-    newer.exchange.publish(clutter(2, 1));
-    Robot& first = older_looks_first ? older : newer;
-    Robot& second = older_looks_first ? newer : older;
-    run(network, {&first, &other, &second}, 10);
-    EXPECT_FALSE(older.exchange.newerAt());
-    EXPECT_FALSE(other.exchange.newerAt());
-    EXPECT_TRUE(older.exchange.isOlder());
-    EXPECT_FALSE(newer.exchange.isOlder());
-    ASSERT_TRUE(newer.exchange.newerAt());
-    EXPECT_LT(*newer.exchange.newerAt(), std::chrono::seconds(10));
-    EXPECT_TRUE(has(older.exchange, "a", map));  // each keeps its own map
-    EXPECT_EQ(older.exchange.refused() + newer.exchange.refused(), 0U);
-  }
-}
-
-TEST(TeamExchange, OfManyRobotsOfANameOneStays) {
-  SimulatedNetwork network(16, kBad);
-  std::vector<std::unique_ptr<Robot>> robots;
-  for (int i = 0; i < 4; i++) robots.push_back(std::make_unique<Robot>(network, "a"));
-  for (int i = 0; i < 200 && robots.size() > 1; i++) {
-    for (auto robot = robots.begin(); robot != robots.end();) {
-      (*robot)->exchange.step();
-      const bool leaves = (*robot)->exchange.newerAt().has_value();
-      robot = leaves ? robots.erase(robot) : std::next(robot);
-    }
-    network.step();
-  }
-  ASSERT_EQ(robots.size(), 1U);
-  EXPECT_FALSE(robots[0]->exchange.newerAt());
 }
 
 TEST(TeamExchange, AStandingRobotSendsNothing) {
