@@ -4,7 +4,6 @@
 #include "fusion_link/linked_team.h"
 
 #include <stdexcept>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -21,8 +20,8 @@ constexpr std::chrono::milliseconds kWaiting{100};
 constexpr std::chrono::milliseconds kWaitingToSend{10};
 /** Longest time for which a robot that leaves sends what still waits. */
 constexpr std::chrono::seconds kFarewell{3};
-/** Time in which the older of the two finds the newer, too, and can say what has happened. */
-constexpr std::chrono::seconds kBeforeLeaving{1};
+/** Time in which the older of the two asks the newer, too, and can say what has happened. */
+constexpr std::chrono::milliseconds kBeforeLeaving{1500};
 
 }  // namespace
 
@@ -45,7 +44,8 @@ LinkedTeam::Progress LinkedTeam::step() {
   Progress progress;
   is_new_ = exchange_.step() || is_new_;
   if (exchange_.hasToLeave()) {
-    std::this_thread::sleep_for(kBeforeLeaving);
+    for (const auto end = Clock::now() + kBeforeLeaving; Clock::now() < end; wait())
+      exchange_.step();
     throw std::runtime_error(twin() + ": each robot needs a name of its own");
   }
   const bool is_thinking =
