@@ -107,6 +107,7 @@ Json matchJson(const Alignment& info) {
            e.free_space.knowsConflicts() ? Json(e.free_space.conflictRatio()) : Json()},
           {"free_space_agreeing", e.free_space.agreeing},
           {"free_space_conflicting", e.free_space.conflicting},
+          {"free_space_discount", e.free_space.discount},
           {"without_free_space", e.without_free_space},
           {"missed_ratio", e.free_space.missedRatio()},
           {"scale", info.scale},

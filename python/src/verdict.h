@@ -62,7 +62,8 @@ void addVerdict(Class& type, VerdictOf verdict_of) {
       "Share of the pairs of voxels that are near each other, in [0,1].");
   add(
       "conflict_ratio", [](const Evaluation& e) { return e.free_space.conflictRatio(); },
-      "Share of the obstacles that lie in the free space of the other map, in [0,1].");
+      "Share of the obstacles that lie in the free space of the other map, those at its border in "
+      "part, in [0,1].");
   addOr(
       "runner_up", std::optional<double>(),
       [](const Evaluation& e) {

@@ -89,8 +89,9 @@ class Member {
     if (!has_wanted)
       note("left before the team was complete: " + std::to_string(team_.knowledge().whole_maps) +
            " of " + std::to_string(run_.args.until_complete) + " maps are there as a whole");
-    if (!run_.args.output.empty() && !has_saved_)
-      note(run_.args.output + " was not written: fewer than 2 maps have joined");
+    if (!run_.args.output.empty() && !is_output_current_)
+      note(run_.args.output + (has_saved_ ? " is of an earlier state" : " was not written") +
+           ": fewer than 2 maps have joined");
     const auto& members = run_.report.members;
     return has_wanted &&
            std::all_of(members.begin(), members.end(), [](const auto& m) { return m.joined; });
@@ -148,6 +149,7 @@ class Member {
                                       [](const FusionMember& m) { return m.joined; });
     const bool is_merged = joined > 1;
     run_.report.policy = is_merged ? policy_ : std::string();
+    is_output_current_ = is_merged;
     if (is_merged && !run_.args.output.empty()) {
       saveFused(run_, state.map, state.sources);
       has_saved_ = true;
@@ -220,8 +222,9 @@ class Member {
   std::shared_ptr<const mrpt::fusion::TeamState> saved_;
   Timer reading_{kReadingPeriod}, status_{kStatusPeriod};
   std::string last_line_;
-  std::set<std::string> notes_;  // that were printed
-  bool has_saved_ = false;       // true if a fused map was written
+  std::set<std::string> notes_;     // that were printed
+  bool has_saved_ = false;          // true if a fused map was written
+  bool is_output_current_ = false;  // true if it is that of the last state
 };
 
 }  // namespace

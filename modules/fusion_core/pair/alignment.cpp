@@ -4,7 +4,6 @@
 #include <mrpt/core/exceptions.h>
 #include <mrpt/core/format.h>
 #include <mrpt/fusion/alignment.h>
-#include <mrpt/math/wrap2pi.h>
 #include <mrpt/system/CTicTac.h>
 
 #include <algorithm>
@@ -60,7 +59,7 @@ constexpr double kLeastHeadingBound = M_PI / 180;
 /** Rejects a match whose pose lies outside of the standard deviations that the guess states. The
  * search keeps to them, the registration need not. A position is never known better than to a cell
  * of the search. A guess states the position of the origin of map B, and the search moves the
- * middle of map B: the smaller of both steps counts. */
+ * middle of map B: the smaller of both distances counts, and of both heights. */
 void rejectOutside(const MapFeatures& b, const Eigen::Isometry3d& guess, const SearchParams& search,
                    Alignment& result) {
   Evaluation& e = result.evaluation;
@@ -70,14 +69,13 @@ void rejectOutside(const MapFeatures& b, const Eigen::Isometry3d& guess, const S
   };
   if (e.pairs == 0) return reject("the maps do not touch anywhere within the bounds of the guess");
   const Eigen::Isometry3d& T = result.match.T_a_b;
-  const mrpt::poses::CPose3D pose = toPose(T), guessed = toPose(guess);
   const Eigen::Vector3d middle = meanOf(b.matched.voxels.centre);
   const Eigen::Vector3d of_origin = T.translation() - guess.translation(),
                         of_middle = T * middle - guess * middle;
-  const Eigen::Vector3d& step =
-      of_middle.head<2>().norm() < of_origin.head<2>().norm() ? of_middle : of_origin;
-  const double far = step.head<2>().norm(), high = std::abs(step.z());
-  const double turn = std::abs(mrpt::math::wrapToPi(pose.yaw() - guessed.yaw()));
+  const double far = std::min(of_origin.head<2>().norm(), of_middle.head<2>().norm());
+  const double high = std::min(std::abs(of_origin.z()), std::abs(of_middle.z()));
+  const Eigen::Matrix3d R = T.linear() * guess.linear().transpose();
+  const double turn = std::abs(std::atan2(R(1, 0), R(0, 0)));
   const double most_high = std::max(search.height, search.cell);
   const double most_turn = std::max(search.yaw, kLeastHeadingBound);
   if (far <= search.translation && high <= most_high && turn <= most_turn) return;

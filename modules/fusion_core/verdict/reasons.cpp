@@ -3,6 +3,8 @@
  * Decides on a match, and says why. */
 #include "fusion_core/verdict/reasons.h"
 
+#include <mrpt/core/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -68,8 +70,12 @@ void judgeFreeSpace(const EvaluationParams& params, Evaluation& e) {
   }
   const double conflict = e.free_space.conflictRatio();
   const std::string limit = percent(params.max_free_conflict);
+  const std::string border =
+      e.free_space.discount > 0 ? mrpt::format(" (%g for each at its border)", params.border.weight)
+                                : std::string();
   const std::string conflicting = percentBeside(params.max_free_conflict, conflict) +
-                                  " of the obstacles lie in the other map's free space, ";
+                                  " of the obstacles lie in the other map's free space" + border +
+                                  ", ";
   const std::string of_one =
       e.without_free_space > 0 ? "; one map has no free space: there " + missed : "";
   judge(conflict <= params.max_free_conflict,
@@ -104,7 +110,7 @@ void judgeSizes(const Circumstances& circumstances, const EvaluationParams& para
 /** Rejects maps that are dust. Voxels far apart show no surface, and where the points were made on
  * a grid, all maps fit each other at each step of the grid. */
 void judgeDust(const Circumstances& circumstances, Evaluation& e) {
-  constexpr double kMostLone = 0.5;
+  constexpr double kMostLone = 0.9;
   for (const auto& [name, lone] :
        {std::pair('A', circumstances.lone_a), std::pair('B', circumstances.lone_b)})
     if (lone > kMostLone)

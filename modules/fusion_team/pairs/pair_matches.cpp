@@ -103,9 +103,7 @@ double EvidenceOfMaps::overlapOf(size_t a, size_t b, const PairEvidence& e) cons
 
 double EvidenceOfMaps::rivalOf(const PairMatch& match, const Eigen::Isometry3d& T_a_b) const {
   const PairEvidence& of_pose = near(match.a, match.b, T_a_b);
-  const double conflicts = of_pose.displaced() + of_pose.contradicted();
-  if (overlapOf(match.a, match.b, of_pose) < min_overlap_ ||
-      conflicts > max_conflict_ * (of_pose.confirmed() + conflicts) || fit(of_pose) <= 0)
+  if (overlapOf(match.a, match.b, of_pose) < min_overlap_ || fit(of_pose) <= 0)
     return std::numeric_limits<double>::infinity();
   double rival = 0;
   for (const Eigen::Isometry3d& T : hypothesesOf(match)) {
@@ -119,9 +117,16 @@ bool EvidenceOfMaps::holds(const PairMatch& match) const {
   return match.alignment.evaluation.accepted && rivalOf(match, match.alignment.match.T_a_b) <= 1;
 }
 
+bool EvidenceOfMaps::isClear(const PairMatch& match, const Eigen::Isometry3d& T_a_b) const {
+  const PairEvidence& e = near(match.a, match.b, T_a_b);
+  const double conflicts = e.displaced() + e.contradicted();
+  return conflicts <= max_conflict_ * (e.confirmed() + conflicts) &&
+         rivalOf(match, T_a_b) <= kMostRivalOfClear;
+}
+
 std::optional<Eigen::Isometry3d> EvidenceOfMaps::clearPoseOf(const PairMatch& match) const {
   for (const Eigen::Isometry3d& T : hypothesesOf(match))
-    if (rivalOf(match, T) <= kMostRivalOfClear) return T;
+    if (isClear(match, T)) return T;
   return std::nullopt;
 }
 
@@ -160,32 +165,48 @@ void EvidenceOfMaps::setSureMatches(const std::vector<PairMatch>& matches,
   for (const PairMatch& m : matches) {
     const Evaluation& e = m.alignment.evaluation;
     const Eigen::Isometry3d& T = m.alignment.match.T_a_b;
-    const bool is_match =
-        holds(m) && (e.probability >= least_probability || rivalOf(m, T) <= kMostRivalOfClear);
+    const bool is_match = holds(m) && (e.probability >= least_probability || isClear(m, T));
     const auto pose = is_match ? std::optional(T) : clearPoseOf(m);
     sure_[m.a][m.b - m.a - 1] = pose ? std::optional(SurePose{*pose, is_match}) : std::nullopt;
   }
-  for (size_t a = 0; a < size(); a++)
-    for (size_t b = a + 1; b < size(); b++) {
-      if (sureMatch(a, b)) continue;
-      if (const auto pose = poseByOthers(a, b)) sure_[a][b - a - 1] = SurePose{*pose, false};
-    }
+  for (const auto& [pair, poses] : posesByOthers()) {
+    const auto [a, b] = pair;
+    const auto pose = sureMatch(a, b) ? std::nullopt : mostAgreed(b, poses);
+    if (pose) sure_[a][b - a - 1] = SurePose{*pose, false};
+  }
 }
 
-std::optional<Eigen::Isometry3d> EvidenceOfMaps::poseByOthers(size_t a, size_t b) const {
-  std::vector<Eigen::Isometry3d> poses;
+std::map<std::pair<size_t, size_t>, std::vector<Eigen::Isometry3d>> EvidenceOfMaps::posesByOthers()
+    const {
+  std::map<std::pair<size_t, size_t>, std::vector<Eigen::Isometry3d>> poses;
   for (size_t k = 0; k < size(); k++) {
-    if (k == a || k == b) continue;
-    const auto T_min_max = [&](size_t i) { return sureMatch(std::min(i, k), std::max(i, k)); };
-    const auto of_a = T_min_max(a), of_b = T_min_max(b);
-    if (!of_a || !of_b) continue;
-    const Eigen::Isometry3d T_a_k = a < k ? *of_a : of_a->inverse();
-    const Eigen::Isometry3d T_a_b = T_a_k * (b < k ? of_b->inverse() : *of_b);
-    for (const Eigen::Isometry3d& T : poses)
-      if (isSame(b, T, T_a_b)) return T;
-    poses.push_back(T_a_b);
+    std::vector<std::pair<size_t, Eigen::Isometry3d>> of_k;  // sure matches of map k: T_k_map
+    for (size_t i = 0; i < size(); i++) {
+      if (i == k) continue;
+      const auto T = sureMatch(std::min(i, k), std::max(i, k));
+      if (T) of_k.emplace_back(i, k < i ? *T : T->inverse());
+    }
+    for (const auto& [a, T_k_a] : of_k)
+      for (const auto& [b, T_k_b] : of_k)
+        if (a < b) poses[{a, b}].push_back(T_k_a.inverse() * T_k_b);
   }
-  return std::nullopt;
+  return poses;
+}
+
+std::optional<Eigen::Isometry3d> EvidenceOfMaps::mostAgreed(
+    size_t b, const std::vector<Eigen::Isometry3d>& poses) const {
+  const auto votesFor = [&](const Eigen::Isometry3d& T) {
+    return std::count_if(poses.begin(), poses.end(),
+                         [&](const Eigen::Isometry3d& U) { return isSame(b, T, U); });
+  };
+  std::vector<std::ptrdiff_t> votes(poses.size());
+  std::transform(poses.begin(), poses.end(), votes.begin(), votesFor);
+  const auto most = std::max_element(votes.begin(), votes.end());
+  if (most == votes.end() || *most < 2) return std::nullopt;
+  const Eigen::Isometry3d& best = poses[static_cast<size_t>(most - votes.begin())];
+  for (size_t i = 0; i < poses.size(); i++)
+    if (votes[i] == *most && !isSame(b, best, poses[i])) return std::nullopt;
+  return best;
 }
 
 bool EvidenceOfMaps::isSure(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const {

@@ -4,7 +4,9 @@
 #include <mrpt/fusion/many_maps.h>
 
 #include <cstddef>
+#include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "fusion_team/graph/team_graph.h"
@@ -46,20 +48,21 @@ class EvidenceOfMaps : public TeamEvidence {
   double areaOfObstacle(size_t map) const override { return area_of_obstacle_[map]; }
   double areaOf(size_t map) const override { return area_[map]; }
   ConflictTolerance tolerance(size_t map) const override { return conflict_tolerance_[map]; }
-  /** True if a match is accepted and the maps bear it out: they overlap there, most of what they
-   * know agrees, and they fit better at none of its other hypotheses. What a match claims counts
+  /** True if a match is accepted and the maps bear it out: they overlap there, and they fit better
+   * at none of its other hypotheses. What a match claims counts
    * only then: a wrong match may claim to be sure. */
   bool holds(const PairMatch& match) const;
   /** Sets the tolerance of each place to a multiple of the shares of conflicts of its maps, at the
-   * clear poses of their pairs. A pose is clear if it has the overlap and the few conflicts of an
-   * accepted match, and no other hypothesis of the pair fits half as well; what the matches claim
-   * does not count. Maps that clear poses connect are one place. The tolerance of a place where
+   * clear poses of their pairs. A pose is clear if it has the overlap of an accepted match, few
+   * conflicts, and no other hypothesis of the pair fits half as well; what the matches claim does
+   * not count. Maps that clear poses connect are one place. The tolerance of a place where
    * nothing moves is the least; a fixed share is the largest. People who walk are obstacles in one
    * map and free space in another. */
   void adaptTolerance(const std::vector<PairMatch>& matches);
   /** Sets the sure poses, see isSure(): those of sure matches, those that two pairs of sure matches
    * with other maps give, and the clear poses of other pairs. A match is sure if it holds(), and
-   * has at least a probability or a clear pose. Cost: O(n^3). */
+   * has at least a probability or a clear pose. Cost: O(n^2), and for each map the square of the
+   * number of its sure matches. */
   void setSureMatches(const std::vector<PairMatch>& matches, double least_probability);
 
  private:
@@ -73,11 +76,17 @@ class EvidenceOfMaps : public TeamEvidence {
   /** Share of the surface of both maps that is confirmed. */
   double overlapOf(size_t a, size_t b, const PairEvidence& e) const;
   /** Best fit of another hypothesis of a match over the fit of a pose. Infinity if the pose has
-   * less overlap or more conflicts than an accepted match. */
+   * less overlap than an accepted match. */
   double rivalOf(const PairMatch& match, const Eigen::Isometry3d& T_a_b) const;
-  /** Pose of map \a b in the frame of map \a a that sure matches of both with two other maps give,
-   * if they agree. */
-  std::optional<Eigen::Isometry3d> poseByOthers(size_t a, size_t b) const;
+  /** True if a pose of the maps of a match is clear, see adaptTolerance(). */
+  bool isClear(const PairMatch& match, const Eigen::Isometry3d& T_a_b) const;
+  /** Poses of maps b in the frames of maps a < b that the sure matches of both with other maps
+   * give. */
+  std::map<std::pair<size_t, size_t>, std::vector<Eigen::Isometry3d>> posesByOthers() const;
+  /** The pose of map \a b on which most poses agree, at least two. Nothing if as many agree on
+   * another place. */
+  std::optional<Eigen::Isometry3d> mostAgreed(size_t b,
+                                              const std::vector<Eigen::Isometry3d>& poses) const;
   /** Pose of the maps of a match without a strong rival, if there is one. */
   std::optional<Eigen::Isometry3d> clearPoseOf(const PairMatch& match) const;
   /** Where nothing moves, a right configuration has less than half of these shares of conflicts,
@@ -94,7 +103,8 @@ class EvidenceOfMaps : public TeamEvidence {
   std::vector<std::vector<std::optional<SurePose>>> sure_;           // by a and b - a - 1
   std::vector<Eigen::Vector3d> middle_;
   PoseTolerance tolerance_;
-  double min_overlap_, max_conflict_;                  // of a match that holds
+  double min_overlap_;                                 // of a match that holds, and of a clear pose
+  double max_conflict_;                                // share of conflicts of a clear pose
   std::vector<ConflictTolerance> conflict_tolerance_;  // by map
 };
 

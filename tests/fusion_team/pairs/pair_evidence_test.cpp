@@ -9,6 +9,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fusion_team/pairs/pair_matches.h"
@@ -181,7 +182,28 @@ TEST(SureMatches, TwoThatAgreeExplainThePoseOfAnotherPair) {
   EXPECT_FALSE(evidence.isSure(0, 1, kRight)) << "maps c and d disagree";
 }
 
-TEST(SureMatches, AClearPoseHasNoMoreConflictsThanAnAcceptedMatch) {
+TEST(SureMatches, ThatDisagreeExplainWhatMostOfThemSayInAnyOrder) {
+  // Maps a and b, and maps that place b beside a: some as they are, some turned.
+  const auto explained = [](const std::vector<bool>& are_turned) {
+    std::vector<RobotMap> maps{{"a", room(0)}, {"b", room(0)}};
+    std::vector<PairMatch> matches;
+    for (size_t i = 0; i < are_turned.size(); i++) {
+      maps.push_back({std::string(1, static_cast<char>('c' + i)), room(0)});
+      matches.push_back(claimed({kRight}, 0, i + 2));
+      matches.push_back(claimed({are_turned[i] ? turned() : kRight}, 1, i + 2));
+    }
+    PairMemory memory;
+    EvidenceOfMaps evidence(maps, Options(), memory);
+    evidence.setSureMatches(matches, 0.9);
+    return std::make_pair(evidence.isSure(0, 1, kRight), evidence.isSure(0, 1, turned()));
+  };
+  EXPECT_EQ(explained({false, true, true, false, false}), std::make_pair(true, false));
+  EXPECT_EQ(explained({true, true, false, false, false}), std::make_pair(true, false));
+  EXPECT_EQ(explained({true, false, true, false, true}), std::make_pair(false, true));
+  EXPECT_EQ(explained({false, true, true, false}), std::make_pair(false, false));
+}
+
+TEST(SureMatches, AClearPoseHasNoMoreConflictsThanTheLimit) {
   const std::vector<RobotMap> maps{{"a", room(0)}, {"b", room(1.6)}};
   const auto is_sure = [&](double max_conflict) {
     Options options;
@@ -189,6 +211,7 @@ TEST(SureMatches, AClearPoseHasNoMoreConflictsThanAnAcceptedMatch) {
     PairMemory memory;
     EvidenceOfMaps evidence(maps, options, memory);
     PairMatch match = claimed({kRight});
+    EXPECT_TRUE(evidence.holds(match)) << "the verdict has judged the conflicts";
     match.alignment.evaluation.accepted = false;
     evidence.setSureMatches({match}, 0.9);
     return evidence.isSure(0, 1, kRight);

@@ -26,7 +26,7 @@ struct VerdictModel {
   unsigned version = 2;         ///< Version of the fit
   double constant = -15.57;     ///< Log-odds without evidence
   double log_overlap = 1.845;   ///< Log-odds per natural logarithm of the overlap
-  double conflict_ratio = -50;  ///< Log-odds per share of obstacles in the other's free space
+  double conflict_ratio = -50;  ///< Log-odds per FreeSpaceCheck::conflictRatio()
   double runner_up = -8.085;    ///< Log-odds per agreement of the best other pose over this pose's
   double inlier_ratio = 22.91;  ///< Log-odds per share of inliers
   double min_overlap = 1e-3;    ///< Least overlap; smaller overlaps count as this overlap
@@ -34,7 +34,7 @@ struct VerdictModel {
   /** Returns the probability that a pose is right within PoseTolerance. It is not in the paper: a
    * pose that is shifted by a row of pillars passes the paper's test. All measures are in [0,1].
    * \param[in] overlap Eq. (25).
-   * \param[in] conflict_ratio Share of obstacles in the free space of the other map.
+   * \param[in] conflict_ratio See FreeSpaceCheck::conflictRatio().
    * \param[in] runner_up Weight of the best other pose, see Evaluation::rival_weight.
    * \param[in] inlier_ratio Inliers over pairs. */
   MRPT_FUSION_API double probability(double overlap, double conflict_ratio, double runner_up,
@@ -138,7 +138,8 @@ struct FreeSpaceCheck {
   /** True if an obstacle lies where the other map has free space around and could show a conflict.
    * Without such obstacles the conflict ratio is no evidence. */
   bool knowsConflicts() const { return conflicting + agreeing > agreeing_without_free; }
-  /** Conflict ratio, [0,1]; 0 if nothing is known. */
+  /** Conflict ratio, [0,1]: conflicting less discount, over that and agreeing where there is free
+   * space. 0 if nothing is known. */
   double conflictRatio() const {
     return ratio(static_cast<double>(conflicting) - discount, agreeing - agreeing_without_free);
   }
