@@ -57,8 +57,8 @@ Fused::Fused(Alignment alignment, std::shared_ptr<const CProbOctoMap> map)
 std::string Fused::why() const {
   const Evaluation& e = alignment_.evaluation;
   std::string all;
-  for (size_t i = 0; i < e.reasons.size(); i++)
-    if (e.accepted || i < e.reasons_against) all += (all.empty() ? "" : "; ") + e.reasons[i];
+  for (const auto& reason : e.accepted ? e.reasons : e.against())
+    all += (all.empty() ? "" : "; ") + reason;
   return all;
 }
 

@@ -265,17 +265,17 @@ void bindMember(py::module_& m) {
       .def_property_readonly(
           "counting", [](const FusionMember& self) { return nameOf(self.counting); },
           "How the map counts in the fused map: 'all', 'unknown_space', 'none' or 'copy'.")
+      .def_property_readonly(
+          "accepted",
+          [](const FusionMember& self) {
+            return self.hasMatch() ? self.alignment.evaluation.accepted : self.joined;
+          },
+          "True if the pose can be trusted. A map without a match, such as the first map: if it "
+          "has joined.")
       .def("__repr__", py::overload_cast<const FusionMember&>(&textOf));
   addVerdict(member, [](const FusionMember& self) {
     return self.hasMatch() ? &self.alignment.evaluation : nullptr;
   });
-  member.def_property_readonly(
-      "accepted",
-      [](const FusionMember& self) {
-        return self.hasMatch() ? self.alignment.evaluation.accepted : self.joined;
-      },
-      "True if the pose can be trusted. A map without a match, such as the first map: if it has "
-      "joined.");
   py::class_<TeamPair>(m, "Pair", "The match of two maps of a team.")
       .def_readonly("a", &TeamPair::a, "Robot whose map is map A.")
       .def_readonly("b", &TeamPair::b, "Robot whose map is map B.")

@@ -95,6 +95,9 @@ p_a = pose @ p_b. match() and evaluate() return it.
       .def_property_readonly(
           "by_edges", [](const Match& self) { return self.alignment.by_edges; },
           "True if only edges were compared. Such a match is never accepted.")
+      .def_property_readonly(
+          "accepted", [](const Match& self) { return self.alignment.evaluation.accepted; },
+          "True if the pose can be trusted.")
       .def("__repr__", py::overload_cast<const Match&>(&textOf));
   addVerdict(match, [](const Match& self) { return &self.alignment.evaluation; });
 

@@ -18,7 +18,8 @@ namespace mrpt_fusion_python {
 
 /** Adds the verdict to a class of Python.
  * \param[in] verdict_of Returns a pointer to the mrpt::fusion::Evaluation of an object of the
- * class. Null for a map that keeps its frame: its pose is given, and its figures are None. */
+ * class. Null for a map that has no match: its figures are None. The class says itself whether its
+ * pose is accepted. */
 template <class Class, class VerdictOf>
 void addVerdict(Class& type, VerdictOf verdict_of) {
   using Evaluation = mrpt::fusion::Evaluation;
@@ -36,9 +37,6 @@ void addVerdict(Class& type, VerdictOf verdict_of) {
     using Figure = decltype(get(std::declval<const Evaluation&>()));
     addOr(name, std::optional<Figure>(), get, doc);
   };
-  addOr(
-      "accepted", true, [](const Evaluation& e) { return e.accepted; },
-      "True if the pose can be trusted.");
   addOr(
       "ambiguous", false, [](const Evaluation& e) { return e.is_ambiguous; },
       "True if another pose fits nearly as well, and nothing else is wrong.");

@@ -34,6 +34,7 @@ namespace {
 
 using mrpt::fusion::FusionMember;
 using mrpt::fusion::TeamKnowledge;
+using mrpt::fusion::TeamState;
 using Clock = std::chrono::steady_clock;
 
 /** Time between two looks at the map file. */
@@ -89,7 +90,7 @@ class Member {
     if (!has_wanted)
       note("left before the team was complete: " + std::to_string(team_.knowledge().whole_maps) +
            " of " + std::to_string(run_.args.until_complete) + " maps are there as a whole");
-    if (!run_.args.output.empty() && !is_output_current_)
+    if (!run_.args.output.empty() && !(saved_ && isMerged(*saved_)))
       note(run_.args.output + (has_saved_ ? " is of an earlier state" : " was not written") +
            ": fewer than 2 maps have joined");
     const auto& members = run_.report.members;
@@ -129,6 +130,11 @@ class Member {
     if (notes_.size() < kMostNotes && notes_.insert(text).second) run_.note(text);
   }
 
+  static bool isMerged(const TeamState& state) {
+    return std::count_if(state.members.begin(), state.members.end(),
+                         [](const FusionMember& m) { return m.joined; }) > 1;
+  }
+
   /** Writes all outputs; the fused map only if maps have joined. */
   void save() {
     const auto& state = *saved_;
@@ -145,11 +151,8 @@ class Member {
     }
     run_.endStep("fuse");
     if (state.members.size() < 2) return;
-    const auto joined = std::count_if(state.members.begin(), state.members.end(),
-                                      [](const FusionMember& m) { return m.joined; });
-    const bool is_merged = joined > 1;
+    const bool is_merged = isMerged(state);
     run_.report.policy = is_merged ? policy_ : std::string();
-    is_output_current_ = is_merged;
     if (is_merged && !run_.args.output.empty()) {
       saveFused(run_, state.map, state.sources);
       has_saved_ = true;
@@ -219,12 +222,11 @@ class Member {
   std::optional<LiveMap> live_;
   std::unique_ptr<MissionRecorder> recorder_;              // null: nothing is recorded
   std::map<mrpt::fusion::SourceName, uint64_t> recorded_;  // versions
-  std::shared_ptr<const mrpt::fusion::TeamState> saved_;
+  std::shared_ptr<const TeamState> saved_;
   Timer reading_{kReadingPeriod}, status_{kStatusPeriod};
   std::string last_line_;
-  std::set<std::string> notes_;     // that were printed
-  bool has_saved_ = false;          // true if a fused map was written
-  bool is_output_current_ = false;  // true if it is that of the last state
+  std::set<std::string> notes_;  // that were printed
+  bool has_saved_ = false;       // true if a fused map was written
 };
 
 }  // namespace

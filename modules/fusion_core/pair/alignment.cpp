@@ -63,11 +63,8 @@ constexpr double kLeastHeadingBound = M_PI / 180;
 void rejectOutside(const MapFeatures& b, const Eigen::Isometry3d& guess, const SearchParams& search,
                    Alignment& result) {
   Evaluation& e = result.evaluation;
-  const auto reject = [&](const std::string& reason) {
-    e.addReasonAgainst(reason);
-    e.accepted = e.is_ambiguous = false;
-  };
-  if (e.pairs == 0) return reject("the maps do not touch anywhere within the bounds of the guess");
+  if (e.pairs == 0)
+    return e.reject("the maps do not touch anywhere within the bounds of the guess");
   const Eigen::Isometry3d& T = result.match.T_a_b;
   const Eigen::Vector3d middle = meanOf(b.matched.voxels.centre);
   const Eigen::Vector3d of_origin = T.translation() - guess.translation(),
@@ -79,7 +76,7 @@ void rejectOutside(const MapFeatures& b, const Eigen::Isometry3d& guess, const S
   const double most_high = std::max(search.height, search.cell);
   const double most_turn = std::max(search.yaw, kLeastHeadingBound);
   if (far <= search.translation && high <= most_high && turn <= most_turn) return;
-  reject(mrpt::format(
+  e.reject(mrpt::format(
       "the pose is %.2f m (height %.2f m) and %.1f deg from the guess, whose %.0f standard "
       "deviations allow %.2f m (height %.2f m) and %.1f deg",
       far, high, mrpt::RAD2DEG(turn), kSearchSigmas, search.translation, most_high,
@@ -146,11 +143,9 @@ Alignment align(const PreparedMap& map_a, const PreparedMap& map_b, const Prior&
     rejectOutside(b, guess, within_prior.search, result);
   else if (is_near_guess)
     compareWithGuess(b, guess, within_prior.search, result);
-  if (by_edges) {
-    result.evaluation.accepted = result.evaluation.is_ambiguous = false;
-    result.evaluation.addReasonAgainst(
+  if (by_edges)
+    result.evaluation.reject(
         "a match of edges alone estimates the pose; it cannot show that the maps may be merged");
-  }
   result.seconds_evaluation = secondsSince(clock);
   return result;
 }

@@ -49,8 +49,7 @@ Parameters parametersOf(EvaluationParams& params) {
              "Pairs below this Mahalanobis distance are inliers"),
       number("max_free_conflict", params.max_free_conflict, 0, 1,
              "Largest share of obstacles that lie in the other map's free space, those at its "
-             "border in "
-             "part; 1: not tested"),
+             "border in part; 1: not tested"),
       advanced(number("border_weight", params.border.weight, 0, 1,
                       "Weight of a conflict at the border of free and unknown space")),
       advanced(length("border_voxel", params.border.largest_voxel, 0, kUnlimited,

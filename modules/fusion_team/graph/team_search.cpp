@@ -89,8 +89,7 @@ double connectingScore(const Configuration& rival, const Configuration& best,
                        const TeamEvidence& evidence) {
   const bool counts_denied = partedMatches(best, rival, evidence) > 1;
   const auto scoreOfMaps = [&](const Configuration& c) {
-    const ScoredTeam team(c, evidence);
-    return team.score() + (counts_denied ? 0 : team.deniedArea());
+    return c.score + (counts_denied ? 0 : ScoredTeam(c, evidence).deniedArea());
   };
   double score = scoreOfMaps(rival);
   for (const auto& group : groups) score -= scoreOfMaps(with(rival, group, evidence));

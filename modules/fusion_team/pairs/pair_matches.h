@@ -49,20 +49,21 @@ class EvidenceOfMaps : public TeamEvidence {
   double areaOf(size_t map) const override { return area_[map]; }
   ConflictTolerance tolerance(size_t map) const override { return conflict_tolerance_[map]; }
   /** True if a match is accepted and the maps bear it out: they overlap there, and they fit better
-   * at none of its other hypotheses. What a match claims counts
-   * only then: a wrong match may claim to be sure. */
+   * at none of its other hypotheses. What a match claims counts only then: a wrong match may claim
+   * to be sure. */
   bool holds(const PairMatch& match) const;
   /** Sets the tolerance of each place to a multiple of the shares of conflicts of its maps, at the
-   * clear poses of their pairs. A pose is clear if it has the overlap of an accepted match, few
-   * conflicts, and no other hypothesis of the pair fits half as well; what the matches claim does
-   * not count. Maps that clear poses connect are one place. The tolerance of a place where
-   * nothing moves is the least; a fixed share is the largest. People who walk are obstacles in one
-   * map and free space in another. */
+   * clear poses of their pairs. A pose is clear if it has the overlap of an accepted match, at
+   * most EvaluationParams::max_free_conflict conflicts (each with weight 1), and no other
+   * hypothesis of the pair fits half as well; what the matches claim does not count. Maps that
+   * clear poses connect are one place. The tolerance of a place where nothing moves is the least; a
+   * fixed share is the largest. People who walk are obstacles in one map and free space in another.
+   */
   void adaptTolerance(const std::vector<PairMatch>& matches);
-  /** Sets the sure poses, see isSure(): those of sure matches, those that two pairs of sure matches
-   * with other maps give, and the clear poses of other pairs. A match is sure if it holds(), and
-   * has at least a probability or a clear pose. Cost: O(n^2), and for each map the square of the
-   * number of its sure matches. */
+  /** Sets the sure poses, see isSure(): those of sure matches, those on which most sure matches
+   * with other maps agree (see mostAgreed()), and the clear poses of other pairs. A match is sure
+   * if it holds(), and has at least a probability or a clear pose. Cost: O(n^2), and for each map
+   * the square of the number of its sure matches. */
   void setSureMatches(const std::vector<PairMatch>& matches, double least_probability);
 
  private:

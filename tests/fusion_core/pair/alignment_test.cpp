@@ -315,12 +315,12 @@ TEST_F(Aligning, SaysHowFarThePoseIsFromAWrongGuess) {
 
 TEST_F(Aligning, AGuessBoundsThePoseByThreeOfItsDeviations) {
   const auto guessed = [&](const Eigen::Isometry3d& off, double metres, double yaw_deg) {
-    return align(a(), b(), Prior::within(toPose(off * truth), metres, M_PI / 180 * (yaw_deg)), {})
+    return align(a(), b(), Prior::within(toPose(off * truth), metres, M_PI / 180 * yaw_deg), {})
         .evaluation;
   };
   const Eigen::Isometry3d aside = poseOf(0.6, -0.5, 0, 0), above = poseOf(0, 0, 0.5, 0);
   const Eigen::Isometry3d turned =
-      truth * Eigen::AngleAxisd(M_PI / 180 * (5), Eigen::Vector3d::UnitZ()) * truth.inverse();
+      truth * Eigen::AngleAxisd(M_PI / 180 * 5, Eigen::Vector3d::UnitZ()) * truth.inverse();
   for (const auto& off : {aside, above, turned}) {
     EXPECT_TRUE(guessed(off, 0.3, 2).accepted) << off.matrix();
     const Evaluation e = guessed(off, 0.05, 0.5);

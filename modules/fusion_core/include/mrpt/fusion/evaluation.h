@@ -138,8 +138,8 @@ struct FreeSpaceCheck {
   /** True if an obstacle lies where the other map has free space around and could show a conflict.
    * Without such obstacles the conflict ratio is no evidence. */
   bool knowsConflicts() const { return conflicting + agreeing > agreeing_without_free; }
-  /** Conflict ratio, [0,1]: conflicting less discount, over that and agreeing where there is free
-   * space. 0 if nothing is known. */
+  /** Conflict ratio, [0,1]: c / (c + a), where c is conflicting less discount, and a is agreeing
+   * less agreeing_without_free. 0 if nothing is known. */
   double conflictRatio() const {
     return ratio(static_cast<double>(conflicting) - discount, agreeing - agreeing_without_free);
   }
@@ -200,6 +200,11 @@ struct Evaluation {
   /** Adds a reason behind the other reasons against the pose. */
   void addReasonAgainst(const std::string& reason) {
     reasons.insert(reasons.begin() + static_cast<std::ptrdiff_t>(reasons_against++), reason);
+  }
+  /** Rejects the match for a reason that other poses do not change. */
+  void reject(const std::string& reason) {
+    accepted = is_ambiguous = false;
+    addReasonAgainst(reason);
   }
   /** Adds a reason for the pose. */
   void addReasonFor(const std::string& reason) { reasons.push_back(reason); }
