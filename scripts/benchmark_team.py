@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """benchmark_team.py [--mixed] [--building NAME] [--robots N] [--seeds A:B] ...: fuses the maps of simulated teams.
 
-N robots drive on the ring of corridors of the simulated office, through the hall of the lobby, or along the
-corridor of a real building. Each robot drives its share of the way and some metres more, with its own errors
-and its own frame. Strangers are robots of another building. The maps are fused without a guess, by team-benchmark
+N robots drive on the ring of corridors of the simulated office, through the hall of the lobby, along the corridor of
+a real building, or in the corridors of a large storey: in as many of them as give each robot 12 m. Each robot drives
+its share of the way and some metres more, with its own errors and its own frame. Strangers are robots of another building. The maps are fused without a guess, by team-benchmark
 (cmake -DMRPT_FUSION_BUILD_BENCHMARKS=ON), and by two baselines on the same matches: growth of the first map by the
 most probable accepted match, and the spanning tree of the most probable matches. --false-edges adds matches that
 claim to be sure and are wrong: half of them are shifts by a bay that agree with each other.
@@ -15,6 +15,7 @@ robot.
 """
 import argparse
 import csv
+import itertools
 import math
 import random
 import re
@@ -30,9 +31,14 @@ WAYS = {"office": [(17.0, 6.65), (34.5, 6.65), (34.5, 33.35), (17.0, 33.35), (17
         "corridor": [(-5.5, -0.4), (0.5, 0.6), (0.6, 0.3), (2.4, -0.4), (3.4, 0), (4.2, -0.4), (10, -0.4),
                      (11.4, -0.1), (12.5, -0.4), (15.2, -0.4), (15.62, -0.9), (17, 0.6), (21.13, -0.6), (24, 0.6),
                      (26.5, 0.5)]}
-ASIDE = {"office": 0.3, "lobby": 0.0, "corridor": 0.0}  # robots drive at most so far beside the way, m
-SETTINGS = {"office": "office", "lobby": "lobby", "corridor": "geb079"}  # of the simulator
-ANOTHER = {"office": "lobby", "lobby": "office", "corridor": "office"}  # building of the strangers
+STOREY_X = (17.0, 34.5, 50.2, 69.0, 85.6, 104.1)  # middle lines of the corridors along y, m
+STOREY_Y = (6.65, 20.0, 34.1, 47.2, 61.05, 74.3, 87.6)  # and of those along x, m
+STOREY_END = 5.0  # the corridors are driven so far beyond the outer crossings, m
+STOREY_SHARE = 12.0  # least way of a robot in the storey, m
+BUILDINGS = sorted([*WAYS, "storey"])
+ASIDE = {"office": 0.3, "storey": 0.3, "lobby": 0.0, "corridor": 0.0}  # robots drive at most so far beside the way, m
+SETTINGS = {"office": "office", "storey": "office", "lobby": "lobby", "corridor": "geb079"}  # of the simulator
+ANOTHER = {"office": "lobby", "storey": "lobby", "lobby": "office", "corridor": "office"}  # building of the strangers
 STRANGERS_SHARE = 8  # a stranger drives so many-th of the way of its building
 MAX_ERROR_M, MAX_ERROR_DEG = 0.3, 1.5
 
@@ -52,20 +58,53 @@ def piece_of(way, begin, end):
     return points
 
 
-def write_mission(path, seed, building, robots, delay, drift=1.0, count=None):
-    """Writes a mission of the simulator. count: only so many robots of the mission drive."""
-    draw, way = random.Random(seed), WAYS[building]
-    is_ring, length = way[0] == way[-1], sum(math.dist(a, b) for a, b in zip(way, way[1:]))
-    common = (PROJECT / f"tests/simulator/{SETTINGS[building]}.ini").read_text(encoding="utf-8").split("[robot_a]")[0]
-    common = re.sub(r"(?m)^(drift_\w+ = )(.*)", lambda m: f"{m[1]}{drift * float(m[2]):g}", common)
-    text = [re.sub(r"(?m)^seed = .*", f"seed = {100 * seed}", common)]
+def length_of(way):
+    return sum(math.dist(a, b) for a, b in zip(way, way[1:]))
+
+
+def storey_ways(robots):
+    """The corridors of the storey that give each robot its share of the way: the first of either direction."""
+    for n in range(2, len(STOREY_X) + len(STOREY_Y) + 1):
+        xs, ys = STOREY_X[:n // 2], STOREY_Y[:n - n // 2]
+        along_x = [[(xs[0] - STOREY_END, y), (xs[-1] + STOREY_END, y)] for y in ys]
+        along_y = [[(x, ys[0] - STOREY_END), (x, ys[-1] + STOREY_END)] for x in xs]
+        if sum(length_of(way) for way in along_x + along_y) >= robots * STOREY_SHARE:
+            break
+    return along_x + along_y
+
+
+def ways_of(building, robots):
+    """The ways of a building, each with its number of robots."""
+    if building != "storey":
+        return [(WAYS[building], robots)]
+    ways = storey_ways(robots)
+    whole, done, shares = sum(length_of(way) for way in ways), 0.0, []
+    for way in ways:  # as many as round off to the share of the way so far
+        before, done = round(robots * done / whole), done + length_of(way)
+        shares.append((way, round(robots * done / whole) - before))
+    return [(way, share) for way, share in shares if share > 0]
+
+
+def drives_on(way, robots, draw):
+    """Yields the points of the drive of each robot on a way."""
+    is_ring, length = way[0] == way[-1], length_of(way)
     start = draw.uniform(0, length) if is_ring else 0
-    for i in range(robots if count is None else count):
+    for i in range(robots):
         begin = start + i * length / robots + draw.uniform(-1, 1)
         end = begin + length / robots + draw.uniform(4.5, 6.5)
         if is_ring and begin < 0:
             begin, end = begin + length, end + length
-        points = piece_of(way, begin, end) if is_ring else piece_of(way, max(0, begin), min(end, length - 0.01))
+        yield piece_of(way, begin, end) if is_ring else piece_of(way, max(0, begin), min(end, length - 0.01))
+
+
+def write_mission(path, seed, building, robots, delay, drift=1.0, count=None):
+    """Writes a mission of the simulator. count: only so many robots of the mission drive."""
+    draw = random.Random(seed)
+    common = (PROJECT / f"tests/simulator/{SETTINGS[building]}.ini").read_text(encoding="utf-8").split("[robot_a]")[0]
+    common = re.sub(r"(?m)^(drift_\w+ = )(.*)", lambda m: f"{m[1]}{drift * float(m[2]):g}", common)
+    text = [re.sub(r"(?m)^seed = .*", f"seed = {100 * seed}", common)]
+    drives = (points for way, share in ways_of(building, robots) for points in drives_on(way, share, draw))
+    for i, points in enumerate(itertools.islice(drives, count)):
         if draw.random() < 0.5:
             points.reverse()
         dx, dy = (draw.uniform(-ASIDE[building], ASIDE[building]) for _ in range(2))
@@ -189,7 +228,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--mixed", action="store_true",
                         help="the seed draws building, number of robots (4 to 10), strangers (0 to 2) and drift (1, 3)")
-    parser.add_argument("--building", choices=sorted(WAYS), default="office")
+    parser.add_argument("--building", choices=BUILDINGS, default="office")
     parser.add_argument("--robots", type=int, default=8)
     parser.add_argument("--strangers", type=int, default=0, help="robots of another building, at most 8")
     parser.add_argument("--drift", type=float, default=1, help="factor of the drift (default: %(default)s)")

@@ -22,4 +22,12 @@ World lobby();
  */
 World office();
 
+/** A large storey of offices of 121 x 94 x 3 m, with nobody in.
+ *
+ * Seven corridors along x and six along y make a grid of 42 crossings. The distances between the
+ * corridors differ by up to a fifth; the rooms are those of office(). The floor is at z = 0. Always
+ * the same one.
+ */
+World storey();
+
 }  // namespace mrpt::fusion::sim

@@ -2,6 +2,8 @@
 #include <mrpt/random/RandomGenerators.h>
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "buildings.h"
 #include "furniture.h"
@@ -14,10 +16,9 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using mrpt::random::CRandomGenerator;
 
-constexpr double kLength = 50.0, kWidth = 40.0, kHeight = 3.0;  // of the storey [m]
-constexpr double kWall = 0.15;                                  // thickness of all walls [m]
-constexpr double kDoorWidth = 0.95, kDoorHeight = 2.05;         // [m]
-constexpr uint32_t kLayoutSeed = 50403;
+constexpr double kHeight = 3.0;                          // of all rooms [m]
+constexpr double kWall = 0.15;                           // thickness of all walls [m]
+constexpr double kDoorWidth = 0.95, kDoorHeight = 2.05;  // [m]
 
 /** A stretch along x or y, from face to face of its walls [m]. */
 struct Span {
@@ -39,13 +40,44 @@ struct Room {
   double doorX;  // middle of the door [m]
 };
 
-constexpr Span kCorridorsAlongX[] = {{5.65, 7.65}, {19.0, 21.0}, {32.35, 34.35}};
-constexpr Span kCorridorsAlongY[] = {{16.1, 17.9}, {33.55, 35.45}};
-constexpr Span kWings[] = {
-    {kWall, 16.1 - kWall}, {17.9 + kWall, 33.55 - kWall}, {35.45 + kWall, kLength - kWall}};
-constexpr Row kRows[] = {{{kWall, 5.5}, true},  {{7.8, 13.25}, false},
-                         {{13.4, 18.85}, true}, {{21.15, 26.6}, false},
-                         {{26.75, 32.2}, true}, {{34.5, kWidth - kWall}, false}};
+/** A storey of corridors along x and along y. Rooms fill the rest, two rows between two corridors
+ * along x. */
+struct Plan {
+  double length, width;  // in x and y [m]
+  std::vector<Span> corridorsAlongX, corridorsAlongY;
+  uint32_t seed;  // of the rooms and the furniture
+};
+
+/** What lies between the corridors of a plan in one direction, and beside the outer ones. */
+std::vector<Span> between(const std::vector<Span>& corridors, double end) {
+  std::vector<Span> spans;
+  double low = kWall;
+  for (const Span& corridor : corridors) {
+    spans.push_back({low, corridor.low - kWall});
+    low = corridor.high + kWall;
+  }
+  spans.push_back({low, end - kWall});
+  return spans;
+}
+
+/** The rows of rooms between the corridors along x, and beside the outer ones. */
+std::vector<Row> rowsOf(const Plan& plan) {
+  // Furniture may touch the centres of voxels: the faces are free of rounding errors.
+  const auto row = [](double low, double high, bool doorsAreAbove) {
+    constexpr double kPerMetre = 1 / kBuildingVoxelSize;
+    return Row{{std::round(low * kPerMetre) / kPerMetre, std::round(high * kPerMetre) / kPerMetre},
+               doorsAreAbove};
+  };
+  const std::vector<Span> blocks = between(plan.corridorsAlongX, plan.width);
+  std::vector<Row> rows{row(blocks.front().low, blocks.front().high, true)};
+  for (size_t i = 1; i + 1 < blocks.size(); i++) {
+    const Span& block = blocks[i];
+    rows.push_back(row(block.low, block.middle() - kWall / 2, false));
+    rows.push_back(row(block.middle() + kWall / 2, block.high, true));
+  }
+  rows.push_back(row(blocks.back().low, blocks.back().high, false));
+  return rows;
+}
 
 void clear(VoxelGrid& grid, const Span& x, const Span& y, double bottom, double top) {
   grid.clear({Vector3d(x.low, y.low, bottom), Vector3d(x.high, y.high, top)});
@@ -80,17 +112,19 @@ Room drawRoom(const Span& x, const Row& row, CRandomGenerator& random) {
   return {x, row.depth, row.doorsAreAbove, rounded(x.low + offset)};
 }
 
-std::vector<Room> drawRooms(CRandomGenerator& random) {
+std::vector<Room> drawRooms(const Plan& plan, CRandomGenerator& random) {
+  const std::vector<Span> wings = between(plan.corridorsAlongY, plan.length);
   std::vector<Room> rooms;
-  for (const Row& row : kRows)
-    for (const Span& wing : kWings)
+  for (const Row& row : rowsOf(plan))
+    for (const Span& wing : wings)
       for (const Span& x : divide(wing, random)) rooms.push_back(drawRoom(x, row, random));
   return rooms;
 }
 
-void carveCorridors(VoxelGrid& solid) {
-  for (const Span& y : kCorridorsAlongX) clear(solid, {kWall, kLength - kWall}, y, 0, kHeight);
-  for (const Span& x : kCorridorsAlongY) clear(solid, x, {kWall, kWidth - kWall}, 0, kHeight);
+void carveCorridors(const Plan& plan, VoxelGrid& solid) {
+  const Span inX{kWall, plan.length - kWall}, inY{kWall, plan.width - kWall};
+  for (const Span& y : plan.corridorsAlongX) clear(solid, inX, y, 0, kHeight);
+  for (const Span& x : plan.corridorsAlongY) clear(solid, x, inY, 0, kHeight);
 }
 
 /** The room and its doorway; few doors are shut, and leave a niche on the corridor's side. */
@@ -172,9 +206,9 @@ void furnish(const Room& room, CRandomGenerator& random, VoxelGrid& solid) {
 }
 
 /** Printers and cupboards at the walls of the corridors, few and far between. */
-void furnishCorridors(CRandomGenerator& random, VoxelGrid& solid) {
-  for (const Span& y : kCorridorsAlongX)
-    for (double x = 2.0; x < kLength - 2.0; x += random.drawUniform(5.0, 9.0)) {
+void furnishCorridors(const Plan& plan, CRandomGenerator& random, VoxelGrid& solid) {
+  for (const Span& y : plan.corridorsAlongX)
+    for (double x = 2.0; x < plan.length - 2.0; x += random.drawUniform(5.0, 9.0)) {
       const bool above = happens(0.5, random);
       const Spot spot{{x, above ? y.high : y.low, 0}, above ? M_PI : 0.0};
       const Furniture piece = cupboard(0.7, random.drawUniform(0.8, 1.9), 0.4);
@@ -188,23 +222,44 @@ void furnishCorridors(CRandomGenerator& random, VoxelGrid& solid) {
     }
 }
 
-}  // namespace
-
-World office() {
-  const AlignedBox3d extent(Vector3d(0, 0, -0.1), Vector3d(kLength, kWidth, kHeight + 0.1));
+World build(const Plan& plan) {
+  const AlignedBox3d extent(Vector3d(0, 0, -0.1),
+                            Vector3d(plan.length, plan.width, kHeight + 0.1));
   World world{VoxelGrid(kBuildingVoxelSize, extent)};
   world.solid.fill(extent);  // one block, to carve all rooms out of
-  carveCorridors(world.solid);
+  carveCorridors(plan, world.solid);
 
-  CRandomGenerator random(kLayoutSeed);
-  const std::vector<Room> rooms = drawRooms(random);
+  CRandomGenerator random(plan.seed);
+  const std::vector<Room> rooms = drawRooms(plan, random);
   for (const Room& room : rooms) {
     carveRoom(room, random, world.solid);
     hangDoor(room, world.solid);
     furnish(room, random, world.solid);
   }
-  furnishCorridors(random, world.solid);
+  furnishCorridors(plan, random, world.solid);
   return world;
+}
+
+/** Corridors about their middle lines. [m] */
+std::vector<Span> corridors(const std::vector<double>& middles, double width) {
+  std::vector<Span> spans;
+  for (const double middle : middles) spans.push_back({middle - width / 2, middle + width / 2});
+  return spans;
+}
+
+}  // namespace
+
+World office() {
+  return build({50.0,
+                40.0,
+                {{5.65, 7.65}, {19.0, 21.0}, {32.35, 34.35}},
+                {{16.1, 17.9}, {33.55, 35.45}},
+                50403});
+}
+
+World storey() {
+  return build({121.0, 94.0, corridors({6.65, 20.0, 34.1, 47.2, 61.05, 74.3, 87.6}, 2.0),
+                corridors({17.0, 34.5, 50.2, 69.0, 85.6, 104.1}, 1.8), 50404});
 }
 
 }  // namespace mrpt::fusion::sim

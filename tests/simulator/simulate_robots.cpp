@@ -42,6 +42,7 @@ World loadBuilding(const std::string& path) {
 World makeWorld(const std::string& nameOrPath) {
   if (nameOrPath == "lobby") return lobby();
   if (nameOrPath == "office") return office();
+  if (nameOrPath == "storey") return storey();
   return loadBuilding(nameOrPath);
 }
 
@@ -90,7 +91,7 @@ int run(int argc, char** argv) {
   std::string missionPath, worldName, outDir, worldOut;
   uint32_t seed = 0;
   app.add_option("MISSION", missionPath, "Mission file (.ini)")->required();
-  app.add_option("--world", worldName, "The building: a .bt file, lobby or office")->required();
+  app.add_option("--world", worldName, "The building: a .bt file, lobby, office or storey")->required();
   app.add_option("--out", outDir, "Folder for the results, made if need be")->required();
   app.add_option("--write-world", worldOut, "Save the building as an OctoMap (.bt)");
   const auto* seedOption = app.add_option("--seed", seed, "In place of the seed of the mission");
