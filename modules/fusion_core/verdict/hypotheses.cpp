@@ -6,6 +6,7 @@
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <utility>
@@ -55,7 +56,11 @@ double distanceBetween(const Eigen::Isometry3d& T, const Eigen::Isometry3d& U,
 
 bool isSamePlace(const Eigen::Isometry3d& T, const Eigen::Isometry3d& U,
                  const Eigen::Vector3d& middle, const PoseTolerance& tolerance) {
-  return distanceBetween(T, U, middle, tolerance) <= 1;
+  // distanceBetween() <= 1, without the angle: this is asked for many poses.
+  const double most = tolerance.translation;
+  if ((T * middle - U * middle).squaredNorm() > most * most) return false;
+  const double sine = std::sin(std::min(tolerance.rotation, M_PI) / 2);
+  return (T.linear() - U.linear()).squaredNorm() <= 8 * sine * sine;
 }
 
 PoseComparison::PoseComparison(const MapFeatures& a, const MapFeatures& b,

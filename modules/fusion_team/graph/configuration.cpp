@@ -188,15 +188,14 @@ class Improvement {
 }  // namespace
 
 void settle(Configuration& c, const TeamEvidence& evidence) {
-  constexpr size_t kMostRounds = 4;        // the evidence changes with the poses
-  constexpr double kLeastConfirmed = 100;  // a pair with fewer obstacles fixes no pose
+  constexpr size_t kMostRounds = 4;  // the evidence changes with the poses
   ScoredTeam team(c, evidence);
   for (size_t round = 0; round < kMostRounds; round++) {
     std::vector<PoseConstraint> constraints;
     for (size_t i = 0; i < c.pose.size(); i++)
       for (const auto& [j, r] : team.relations(i))
-        if (j > i && r.evidence->confirmed() >= kLeastConfirmed)
-          constraints.push_back({i, j, r.evidence->registered});
+        if (const auto& registered = r.evidence->registered; j > i && registered)
+          constraints.push_back(constraintOf(i, j, registered->T_a_b, registered->covariance));
     std::sort(constraints.begin(), constraints.end(), [](const auto& g, const auto& h) {
       return std::pair(g.a, g.b) < std::pair(h.a, h.b);
     });

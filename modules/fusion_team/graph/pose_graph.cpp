@@ -190,7 +190,7 @@ PoseConstraint constraintOf(size_t a, size_t b, const Eigen::Isometry3d& T_a_b,
 
 void optimizePoses(const std::vector<PoseConstraint>& constraints, Poses& pose) {
   if (constraints.empty()) return;
-  PoseProblem(constraints, pose, 1).solve(pose);
+  PoseProblem(constraints, pose, kSquaredBound).solve(pose);
 }
 
 std::vector<Matrix6d> optimizeWithCovariance(const std::vector<PoseConstraint>& constraints,

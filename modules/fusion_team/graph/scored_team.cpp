@@ -24,14 +24,68 @@ double countOfNew(const ObstacleSet& more, const ObstacleSet& known) {
   return static_cast<double>(n);
 }
 
+/** Share of the maps that see a conflict, of the maps that compare an obstacle. */
+struct Share {
+  double displaced, contradicted;
+};
+Share shareOf(unsigned confirmed, unsigned displaced, unsigned contradicted) {
+  const unsigned all = confirmed + displaced + contradicted;
+  return all == 0 ? Share{0, 0} : Share{double(displaced) / all, double(contradicted) / all};
+}
+
+/** Calls \a visit for each obstacle in a word of a set. \a w: index of the word. */
+template <class Visitor>
+void forEachIn(uint64_t word, size_t w, const Visitor& visit) {
+  for (; word; word &= word - 1) visit(64 * w + static_cast<size_t>(__builtin_ctzll(word)));
+}
+
+bool has(const ObstacleSet& set, size_t i) { return set[i / 64] >> (i % 64) & 1; }
+
 }  // namespace
+
+void ObstacleCounts::add(const ObstacleSet& set) {
+  if (digit_.front().empty())
+    for (ObstacleSet& digit : digit_) digit.resize(set.size());
+  for (size_t w = 0; w < set.size(); w++) {
+    uint64_t carry = set[w];
+    for (ObstacleSet& digit : digit_) {
+      const uint64_t next = digit[w] & carry;
+      digit[w] ^= carry;
+      carry = next;
+    }
+    for (ObstacleSet& digit : digit_) digit[w] |= carry;  // stays at kMost
+  }
+}
+
+unsigned ObstacleCounts::operator[](size_t i) const {
+  if (digit_.front().empty()) return 0;
+  unsigned count = 0;
+  for (size_t k = 0; k < kDigits; k++) count |= unsigned(digit_[k][i / 64] >> (i % 64) & 1) << k;
+  return count;
+}
+
+ConflictShares conflictShares(const KnownObstacles& known) {
+  ConflictShares sum;
+  for (size_t w = 0; w < known.displaced.size(); w++)
+    forEachIn(known.displaced[w] | known.contradicted[w], w, [&](size_t i) {
+      const Share share = shareOf(known.times_confirmed[i], known.times_displaced[i],
+                                  known.times_contradicted[i]);
+      sum.displaced += share.displaced;
+      sum.contradicted += share.contradicted;
+    });
+  return sum;
+}
 
 void unite(KnownObstacles& all, const ComparedObstacles& more, Standing standing) {
   if (standing == Standing::Parted) return unite(all.denied, more.confirmed);
   const bool is_sure = standing == Standing::Sure;
   unite(all.confirmed, more.confirmed);
+  all.times_confirmed.add(more.confirmed);
   unite(is_sure ? all.explained : all.displaced, more.displaced);
   unite(is_sure ? all.explained : all.contradicted, more.contradicted);
+  if (is_sure) return;
+  all.times_displaced.add(more.displaced);
+  all.times_contradicted.add(more.contradicted);
 }
 
 ScoredTeam::ScoredTeam(const Configuration& configuration, const TeamEvidence& evidence)
@@ -129,9 +183,10 @@ void ScoredTeam::remove(size_t map) {
 
 double ScoredTeam::scoreOf(const KnownObstacles& o, size_t map) const {
   const ConflictTolerance tolerance = evidence_->tolerance(map);
+  const ConflictShares conflicts = conflictShares(o);
   return evidence_->areaOfObstacle(map) *
-         (countOf(o.confirmed) - countOf(o.displaced) / tolerance.displaced -
-          countOf(o.contradicted) / tolerance.contradicted -
+         (countOf(o.confirmed) - conflicts.displaced / tolerance.displaced -
+          conflicts.contradicted / tolerance.contradicted -
           countOf(o.explained) / tolerance.explained - countOf(o.denied));
 }
 
@@ -151,15 +206,26 @@ double ScoredTeam::gainOf(size_t placed, const ComparedObstacles& more, Standing
   const ConflictTolerance tolerance = evidence_->tolerance(placed);
   const double area = evidence_->areaOfObstacle(placed);
   if (standing == Standing::Parted) return -area * countOfNew(more.confirmed, known.denied);
+  const bool is_sure = standing == Standing::Sure;
   double conflicts = 0;
-  if (standing == Standing::Unsure) {
-    conflicts = countOfNew(more.displaced, known.displaced) / tolerance.displaced +
-                countOfNew(more.contradicted, known.contradicted) / tolerance.contradicted;
-  } else {  // the two sets are disjoint
-    conflicts = (countOfNew(more.displaced, known.explained) +
-                 countOfNew(more.contradicted, known.explained)) /
-                tolerance.explained;
+  for (size_t w = 0; w < more.confirmed.size(); w++) {
+    uint64_t changed = is_sure ? 0 : more.displaced[w] | more.contradicted[w];
+    if (!known.displaced.empty())
+      changed |= more.confirmed[w] & (known.displaced[w] | known.contradicted[w]);
+    forEachIn(changed, w, [&](size_t i) {
+      const unsigned c = known.times_confirmed[i], d = known.times_displaced[i],
+                     x = known.times_contradicted[i];
+      const Share before = shareOf(c, d, x),
+                  after = shareOf(c + has(more.confirmed, i), d + (!is_sure && has(more.displaced, i)),
+                                  x + (!is_sure && has(more.contradicted, i)));
+      conflicts += (after.displaced - before.displaced) / tolerance.displaced +
+                   (after.contradicted - before.contradicted) / tolerance.contradicted;
+    });
   }
+  if (is_sure)  // the two sets are disjoint
+    conflicts += (countOfNew(more.displaced, known.explained) +
+                  countOfNew(more.contradicted, known.explained)) /
+                 tolerance.explained;
   return area * (countOfNew(more.confirmed, known.confirmed) - conflicts);
 }
 

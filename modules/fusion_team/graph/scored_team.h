@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <utility>
 #include <vector>
 
@@ -12,11 +13,39 @@
 
 namespace mrpt::fusion {
 
+/** How often each obstacle of a map is in one of some sets, at most kMost times. A bit plane holds
+ * one binary digit of all counts. */
+class ObstacleCounts {
+ public:
+  static constexpr size_t kDigits = 4;
+  static constexpr unsigned kMost = (1U << kDigits) - 1;
+
+  /** Adds 1 to the counts of the obstacles in a set. */
+  void add(const ObstacleSet& set);
+  /** Returns the count of obstacle \a i. */
+  unsigned operator[](size_t i) const;
+
+ private:
+  std::array<ObstacleSet, kDigits> digit_;  // the lowest first
+};
+
 /** Obstacles of a map, compared with all other placed maps. */
 struct KnownObstacles : ComparedObstacles {
   ObstacleSet explained;  ///< Obstacles in the free space of a map with a sure match
   ObstacleSet denied;     ///< Obstacles that sure matches confirm with maps that lie elsewhere
+  /** Number of maps that say so. */
+  ObstacleCounts times_confirmed, times_displaced, times_contradicted;
 };
+
+/** Numbers of conflicting obstacles, each by the share of its maps that see the conflict. */
+struct ConflictShares {
+  double displaced = 0, contradicted = 0;
+};
+/** Returns the conflicts of a map's obstacles. An obstacle that one map confirms and that lies in
+ * the free space of another map is half a conflict: else each map that sees it would add a risk of
+ * a conflict, but only the first map would add to the confirmed obstacles, and a right team would
+ * lose by its size. */
+ConflictShares conflictShares(const KnownObstacles& known);
 
 /** What the evidence of two placed maps stands for. */
 enum class Standing {
@@ -50,7 +79,7 @@ class ScoredTeam {
   const TeamEvidence& evidence() const { return *evidence_; }
   /** Returns the poses with their score: the confirmed area of all placed maps, less the displaced,
    * the contradicted and the explained area, each over its TeamEvidence::tolerance(), less the
-   * denied area. Where a configuration parts the maps of a sure match, the match is lost evidence:
+   * denied area. Displaced and contradicted obstacles count by conflictShares(). Where a configuration parts the maps of a sure match, the match is lost evidence:
    * that each of both maps is confirmed by other maps does not make up for it. */
   Configuration configuration() const { return {pose_, score()}; }
   double score() const;

@@ -51,6 +51,7 @@ std::vector<std::vector<size_t>> rigidGroups(const Configuration& best, const Co
       for (const size_t k : open)
         if (k == root || evidence.isSame(k, *best.pose[k], T * *other.pose[k])) same.push_back(k);
       if (same.size() > largest.size()) largest = std::move(same);
+      if (2 * largest.size() > open.size()) break;  // no other group is larger
     }
     for (const size_t k : largest) open.erase(std::find(open.begin(), open.end(), k));
     groups.push_back(std::move(largest));
@@ -131,18 +132,35 @@ void compareWith(const Configuration& rival, const TeamEvidence& evidence, TeamS
       for (const size_t k : groups[i]) result.runner_up[k] = std::max(result.runner_up[k], ratio);
 }
 
+/** True if two configurations place the same maps, and all of them as one rigid group. */
 bool isSame(const Configuration& c, const Configuration& d, const TeamEvidence& evidence) {
-  for (size_t k = 0; k < c.pose.size(); k++)
+  std::vector<size_t> maps;
+  for (size_t k = 0; k < c.pose.size(); k++) {
     if (c.pose[k].has_value() != d.pose[k].has_value()) return false;
-  return rigidGroups(c, d, evidence).size() == 1;
+    if (c.pose[k]) maps.push_back(k);
+  }
+  // Most roots differ in the map that the root before has shown to differ: it comes first.
+  const std::vector<size_t> roots = maps;
+  return std::any_of(roots.begin(), roots.end(), [&](size_t root) {
+    const Isometry3d T = *c.pose[root] * d.pose[root]->inverse();
+    const auto differs = std::find_if(maps.begin(), maps.end(), [&](size_t k) {
+      return k != root && !evidence.isSame(k, *c.pose[k], T * *d.pose[k]);
+    });
+    if (differs == maps.end()) return true;
+    std::swap(maps.front(), *differs);
+    return false;
+  });
 }
 
-/** Sorts configurations, best score first, and keeps the best of each that are the same. */
-void keepDistinct(std::vector<Configuration>& configurations, const TeamEvidence& evidence) {
+/** Sorts configurations, best score first, and keeps the best of each that are the same, in all at
+ * most \a most. */
+void keepDistinct(std::vector<Configuration>& configurations, size_t most,
+                  const TeamEvidence& evidence) {
   std::stable_sort(configurations.begin(), configurations.end(), scoresBetter);
   std::vector<Configuration> distinct;
   for (Configuration& c : configurations)
-    if (std::none_of(distinct.begin(), distinct.end(),
+    if (distinct.size() < most &&
+        std::none_of(distinct.begin(), distinct.end(),
                      [&](const Configuration& d) { return isSame(c, d, evidence); }))
       distinct.push_back(std::move(c));
   configurations = std::move(distinct);
@@ -154,9 +172,8 @@ std::optional<Configuration> betterThan(const Configuration& best,
                                         std::vector<Configuration> rivals, const TeamWays& ways,
                                         const TeamEvidence& evidence) {
   constexpr double kLeastGain = 1e-6;  // share of the score
-  keepDistinct(rivals, evidence);
-  for (size_t i = 0; i < std::min(kMostTried, rivals.size()); i++) {
-    Configuration& rival = rivals[i];
+  keepDistinct(rivals, kMostTried, evidence);
+  for (Configuration& rival : rivals) {
     improve(rival, ways, evidence, Moves::OfOneMap);
     settle(rival, evidence);
     if (rival.score <= best.score * (1 + kLeastGain)) continue;
@@ -190,10 +207,9 @@ TeamSearchResult searchTeam(const std::vector<Way>& all_ways, const TeamEvidence
         if (grown.back().pose[k]) is_placed[k] = true;
     }
   }
-  keepDistinct(grown, evidence);
-  if (grown.size() > kMostMoved) grown.resize(kMostMoved);
+  keepDistinct(grown, kMostMoved, evidence);
   for (Configuration& c : grown) improve(c, ways, evidence, Moves::OfOneMap);
-  keepDistinct(grown, evidence);
+  keepDistinct(grown, kMostMoved, evidence);
   for (size_t i = 0; i < std::min(kMostImproved, grown.size()); i++) {
     settle(grown[i], evidence);
     improve(grown[i], ways, evidence, Moves::OfOneOrTwo);

@@ -18,6 +18,9 @@ namespace {
 constexpr double kSlack = 0.2;
 /** Contradicted obstacles over confirmed obstacles at which no refinement helps. */
 constexpr double kHopeless = 0.1;
+/** Least share of the compared obstacles that must be confirmed to fix a pose. Fewer obstacles are
+ * a patch of floor and walls, which slides along a corridor. */
+constexpr double kLeastConfirmed = 0.1;
 /** Largest difference of two poses that share their evidence, share of the tolerance. Poses that
  * share refined or hopeless evidence may differ by kSlack. */
 constexpr double kSameQuestion = 0.1;
@@ -80,6 +83,11 @@ struct EvidenceOfPair::Comparison {
     return VoxelBlocks::Ball(std::max(kLeast, radius / map.voxels.resolution));
   }
 
+  double obstacles() const {
+    const auto n = by_many.obstaclesOfA().centre.size() + by_many.obstaclesOfB().centre.size();
+    return static_cast<double>(n);
+  }
+
   VoxelAssociation association;
   PoseComparison by_many;
   VoxelBlocks::Ball near_in_a, near_in_b;  // places of displaced obstacles
@@ -107,15 +115,41 @@ bool EvidenceOfPair::mayMeet(const Eigen::Isometry3d& T_a_b) const {
   return box_a_.intersects(box_b_.transformed(T_a_b));
 }
 
-PairEvidence EvidenceOfPair::at(const Eigen::Isometry3d& T_a_b) const {
-  const MapFeatures &a = a_.features(), &b = b_.features();
-  const AgreementParams& params = options_.ranking.agreement;
-  const PoseComparison& c = comparison_->by_many;
-  return {
-      T_a_b, T_a_b,
-      compared(b, comparison_->near_in_b, c.obstaclesOfA(), a.voxels.resolution, T_a_b.inverse(),
-               params),
-      compared(a, comparison_->near_in_a, c.obstaclesOfB(), b.voxels.resolution, T_a_b, params)};
+template <class Value>
+template <class Make>
+const Value& EvidenceOfPair::Memo<Value>::at(const Eigen::Isometry3d& T, const Make& make) {
+  Key key;
+  Eigen::Map<Eigen::Matrix4d>(key.data()) = T.matrix();
+  const auto known = values_.find(key);
+  if (known != values_.end()) return known->second;
+  const auto before = before_.find(key);
+  return values_.emplace(key, before != before_.end() ? std::move(before->second) : make())
+      .first->second;
+}
+
+const PairEvidence& EvidenceOfPair::at(const Eigen::Isometry3d& T_a_b) {
+  return compared_.at(T_a_b, [&] {
+    const MapFeatures &a = a_.features(), &b = b_.features();
+    const AgreementParams& params = options_.ranking.agreement;
+    const PoseComparison& c = comparison_->by_many;
+    return PairEvidence{
+        T_a_b,
+        compared(b, comparison_->near_in_b, c.obstaclesOfA(), a.voxels.resolution, T_a_b.inverse(),
+                 params),
+        compared(a, comparison_->near_in_a, c.obstaclesOfB(), b.voxels.resolution, T_a_b, params)};
+  });
+}
+
+std::optional<RegisteredPair> EvidenceOfPair::registeredNear(const Eigen::Isometry3d& T_a_b) {
+  for (const RegisteredPair& known : registered_)
+    if (isSame(T_a_b, known.T_a_b)) return known;
+  const RegisteredPair& refined = refined_.at(T_a_b, [&] {
+    const Eigen::Isometry3d T = comparison_->by_many.refined(T_a_b).T_a_b;
+    return RegisteredPair{T, comparison_->by_many.covarianceAt(T)};
+  });
+  if (!isSame(T_a_b, refined.T_a_b)) return std::nullopt;
+  registered_.push_back(refined);
+  return refined;
 }
 
 bool EvidenceOfPair::answers(const Known& known, const Eigen::Isometry3d& T_a_b) const {
@@ -128,22 +162,19 @@ bool EvidenceOfPair::answers(const Known& known, const Eigen::Isometry3d& T_a_b)
 EvidenceOfPair::Known EvidenceOfPair::computed(const Eigen::Isometry3d& T_a_b) {
   if (!comparison_)
     comparison_ = std::make_unique<Comparison>(a_.features(), b_.features(), options_);
-  Known as_asked{T_a_b * middle_b_, false, at(T_a_b), T_a_b};
-  as_asked.is_wide = as_asked.evidence.contradicted() >= kHopeless * as_asked.evidence.confirmed();
-  if (as_asked.is_wide) return as_asked;
-  const Eigen::Isometry3d refined = comparison_->by_many.refined(T_a_b).T_a_b;
-  if (isSame(T_a_b, refined)) as_asked.evidence.registered = refined;
-  if (!isSame(T_a_b, refined, kSlack)) return as_asked;
-  PairEvidence there = at(refined);
+  Known as_asked{T_a_b * middle_b_, false, at(T_a_b)};
+  const double confirmed = as_asked.evidence.confirmed();
+  as_asked.is_wide = as_asked.evidence.contradicted() >= kHopeless * confirmed;
+  if (as_asked.is_wide || confirmed < kLeastConfirmed * comparison_->obstacles()) return as_asked;
+  const auto registered = registeredNear(T_a_b);
+  as_asked.evidence.registered = registered;
+  if (!registered || !isSame(T_a_b, registered->T_a_b, kSlack)) return as_asked;
+  const PairEvidence& there = at(registered->T_a_b);
   const double tolerance = options_.ranking.agreement.tolerance;
   if (scoreOf(there, tolerance) <= scoreOf(as_asked.evidence, tolerance)) return as_asked;
-  return {refined * middle_b_, true, std::move(there), T_a_b};
-}
-
-EvidenceOfPair::Known EvidenceOfPair::rememberedOrComputed(const Eigen::Isometry3d& T_a_b) {
-  for (const Known& known : before_)
-    if (known.asked.matrix() == T_a_b.matrix()) return known;
-  return computed(T_a_b);
+  Known refined{registered->T_a_b * middle_b_, true, there};
+  refined.evidence.registered = registered;
+  return refined;
 }
 
 size_t EvidenceOfPair::Hash::operator()(const Eigen::Vector3i& cell) const {
@@ -171,8 +202,11 @@ void EvidenceOfPair::remember(Known known) {
 
 void EvidenceOfPair::restart() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  before_ = std::exchange(known_, {});
+  known_.clear();
   known_in_.clear();
+  registered_.clear();
+  compared_.restart();
+  refined_.restart();
 }
 
 const PairEvidence& EvidenceOfPair::near(const Eigen::Isometry3d& T_a_b) {
@@ -182,9 +216,9 @@ const PairEvidence& EvidenceOfPair::near(const Eigen::Isometry3d& T_a_b) {
     for (const size_t i : in_cell->second)
       if (answers(known_[i], T_a_b)) return known_[i].evidence;
   if (mayMeet(T_a_b))
-    remember(rememberedOrComputed(T_a_b));
+    remember(computed(T_a_b));
   else
-    remember({T_a_b * middle_b_, false, {T_a_b, T_a_b, {}, {}}, T_a_b});
+    remember({T_a_b * middle_b_, false, {T_a_b, {}, {}}});
   return known_.back().evidence;
 }
 

@@ -53,7 +53,7 @@ class Corridor : public TeamEvidence {
     for (const auto& [known, evidence] : known_[a * maps_ + b])
       if (known == offset) return evidence;
     computed_++;
-    PairEvidence e{T, T, {{0}, {0}, {0}}, {{0}, {0}, {0}}};
+    PairEvidence e{T, {{0}, {0}, {0}}, {{0}, {0}, {0}}};
     const bool is_right = isSame(b, T, truth(a, b));
     for (int in_a = 0; in_a < int(kLength); in_a++) {
       const int in_b = in_a - offset;

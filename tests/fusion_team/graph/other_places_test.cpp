@@ -38,10 +38,11 @@ class Row : public TeamEvidence {
   const PairEvidence& near(size_t a, size_t b, const Isometry3d& T) const override {
     static const ObstacleSet no(4), low{~0ULL, 0, 0, 0}, high{0, 0, 0, ~0ULL};
     static const ObstacleSet few{0, 0xffffULL, 0, 0}, others{0, 0, 0xffffULL, 0};
-    static const PairEvidence apart{}, right{next(), next(), {high, no, no}, {low, no, no}},
-        displaced{next(), next(), {high, others, no}, {low, others, no}},
-        alias{beside(), beside(), {few, no, no}, {few, no, no}},
-        wrong{next(), next(), {low, no, others}, {low, no, others}};
+    static const RegisteredPair registered{next(), 1e-4 * Matrix6d::Identity()};
+    static const PairEvidence apart{}, right{next(), {high, no, no}, {low, no, no}, registered},
+        displaced{next(), {high, others, no}, {low, others, no}, registered},
+        alias{beside(), {few, no, no}, {few, no, no}},
+        wrong{next(), {low, no, others}, {low, no, others}};
     if (T.translation().norm() > 12) return apart;
     if (b == a + 1 && isNear(T, next(), 0.1)) return right;
     if (b == a + 1 && isNear(T, next(), 0.6)) return displaced;

@@ -45,8 +45,8 @@ class Square : public TeamEvidence {
   ConflictTolerance tolerance(size_t) const override { return {0.03, 0.01}; }
   const PairEvidence& near(size_t a, size_t b, const Isometry3d& T) const override {
     static const PairEvidence none{},
-        right{{}, {}, {{0xffffffffU << (a % 2 * 16)}, {0}, {0}}, {{0xffffffffU}, {0}, {0}}},
-        wrong{{}, {}, {{0xffffffffU}, {0}, {0xffff00000000U}}, {{0xffffffffU}, {0}, {0}}};
+        right{{}, {{0xffffffffU << (a % 2 * 16)}, {0}, {0}}, {{0xffffffffU}, {0}, {0}}},
+        wrong{{}, {{0xffffffffU}, {0}, {0xffff00000000U}}, {{0xffffffffU}, {0}, {0}}};
     if (T.translation().norm() > 12) return none;
     if (!areNeighbours(a, b)) return wrong;
     return isSame(b, T, truth(a, b)) ? right : wrong;
@@ -218,7 +218,7 @@ class Places : public TeamEvidence {
   };
   Places(size_t maps, const std::vector<Place>& places) : maps_(maps) {
     for (const auto& [way, confirmed] : places) {
-      PairEvidence e{way.T_a_b, way.T_a_b, emptySets(), emptySets()};
+      PairEvidence e{way.T_a_b, emptySets(), emptySets()};
       e.of_a.confirmed[way.b] = e.of_b.confirmed[way.a] = (uint64_t{1} << confirmed) - 1;
       known_.push_back({way, e});
     }
@@ -290,7 +290,7 @@ class PlaceWhereThingsMove : public Places {
   }
   const PairEvidence& near(size_t a, size_t b, const Isometry3d& T) const override {
     static const ObstacleSet no(4);
-    static const PairEvidence right{next(), next(), {sees(0), no, moved()}, {sees(3), no, moved()}};
+    static const PairEvidence right{next(), {sees(0), no, moved()}, {sees(3), no, moved()}};
     return isSure(a, b, T) ? right : Places::near(a, b, T);
   }
   TeamSearchResult found() const {
