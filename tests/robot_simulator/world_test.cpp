@@ -182,6 +182,24 @@ TEST(Buildings, AreAsLargeAsTheySay) {
   EXPECT_NEAR(sizeOf(lobby()).x(), 40, 1);
 }
 
+TEST(Buildings, TheStoreyHasCorridorsThatCross) {
+  if (kHasSanitizer) GTEST_SKIP() << "the building takes minutes with a sanitizer";
+  const World world = storey();
+  RobotPlan plan;
+  plan.sensorPose = mrpt::poses::CPose3D(0, 0, 1, 0, 0, 0);
+  plan.radius = plan.groundClearance = 0.2;
+  for (const double x : {17.0, 34.5, 50.2, 69.0, 85.6, 104.1}) {
+    plan.waypoints = {{x, 1}, {x, 93}};
+    EXPECT_NO_THROW(checkPathIsFree(world, plan)) << x;
+  }
+  for (const double y : {6.65, 20.0, 34.1, 47.2, 61.05, 74.3, 87.6}) {
+    plan.waypoints = {{1, y}, {120, y}};
+    EXPECT_NO_THROW(checkPathIsFree(world, plan)) << y;
+  }
+  plan.waypoints = {{17, 6.65}, {34.5, 20}};
+  EXPECT_THROW(checkPathIsFree(world, plan), std::runtime_error) << "across the rooms";
+}
+
 TEST(Buildings, HavePeopleWhoWalkThroughNothingSolid) {
   const World world = lobby();
   EXPECT_GE(world.people.size(), 5U);

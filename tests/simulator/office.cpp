@@ -223,8 +223,7 @@ void furnishCorridors(const Plan& plan, CRandomGenerator& random, VoxelGrid& sol
 }
 
 World build(const Plan& plan) {
-  const AlignedBox3d extent(Vector3d(0, 0, -0.1),
-                            Vector3d(plan.length, plan.width, kHeight + 0.1));
+  const AlignedBox3d extent(Vector3d(0, 0, -0.1), Vector3d(plan.length, plan.width, kHeight + 0.1));
   World world{VoxelGrid(kBuildingVoxelSize, extent)};
   world.solid.fill(extent);  // one block, to carve all rooms out of
   carveCorridors(plan, world.solid);

@@ -91,7 +91,8 @@ int run(int argc, char** argv) {
   std::string missionPath, worldName, outDir, worldOut;
   uint32_t seed = 0;
   app.add_option("MISSION", missionPath, "Mission file (.ini)")->required();
-  app.add_option("--world", worldName, "The building: a .bt file, lobby, office or storey")->required();
+  app.add_option("--world", worldName, "The building: a .bt file, lobby, office or storey")
+      ->required();
   app.add_option("--out", outDir, "Folder for the results, made if need be")->required();
   app.add_option("--write-world", worldOut, "Save the building as an OctoMap (.bt)");
   const auto* seedOption = app.add_option("--seed", seed, "In place of the seed of the mission");

@@ -56,4 +56,10 @@ bool isEmpty(const MapFeatures& a, const MapFeatures& b) {
   return a.voxels.size() == 0 || b.voxels.size() == 0;
 }
 
+Eigen::AlignedBox3d boxOf(const MapFeatures& map) {
+  Eigen::AlignedBox3d box;
+  for (const auto& p : map.matched.voxels.centre) box.extend(p.cast<double>());
+  return box;
+}
+
 }  // namespace mrpt::fusion

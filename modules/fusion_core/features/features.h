@@ -4,6 +4,7 @@
 #include <mrpt/fusion/edges.h>
 #include <mrpt/fusion/prepared_map.h>
 
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -39,5 +40,7 @@ std::vector<uint32_t> edgeCandidates(const SurfaceVoxels& matched, const Feature
 size_t featureExtractions();
 /** True if either map has no occupied voxel. */
 bool isEmpty(const MapFeatures& a, const MapFeatures& b);
+/** Returns the bounding box of the matched voxels of a map, in its frame, m. */
+Eigen::AlignedBox3d boxOf(const MapFeatures& map);
 
 }  // namespace mrpt::fusion

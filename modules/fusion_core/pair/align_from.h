@@ -4,7 +4,7 @@
 #include <mrpt/fusion/alignment.h>
 
 /** \file
- * Registration from a pose that other maps imply. */
+ * What a team asks of a pair of maps besides their match. */
 
 namespace mrpt::fusion {
 
@@ -12,5 +12,10 @@ namespace mrpt::fusion {
  * \exception std::exception If a map has only edges. */
 Alignment alignFrom(const PreparedMap& a, const PreparedMap& b, const Eigen::Isometry3d& T_a_b,
                     const Options& options);
+
+/** Returns the agreement of two maps at the best pose of a coarse match, see coarseAgreement().
+ * \exception std::exception If a map has no occupied voxel, or as align(). */
+double coarseAgreement(const PreparedMap& a, const PreparedMap& b, const Prior& prior,
+                       const Options& options);
 
 }  // namespace mrpt::fusion

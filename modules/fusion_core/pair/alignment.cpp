@@ -150,6 +150,16 @@ Alignment align(const PreparedMap& map_a, const PreparedMap& map_b, const Prior&
   return result;
 }
 
+double coarseAgreement(const PreparedMap& map_a, const PreparedMap& map_b, const Prior& prior,
+                       const Options& options) {
+  const MapFeatures &a = map_a.features(), &b = map_b.features();
+  const Eigen::Isometry3d guess = toEigen(prior.guess());
+  checkReach(a, b, guess, "the initial guess");
+  Options within_prior = scaledBy(options, std::max(a.scale, b.scale));
+  within_prior.search = prior.searchWithin(within_prior.search);
+  return coarseAgreement(a, b, guess, within_prior);
+}
+
 Alignment alignFrom(const PreparedMap& map_a, const PreparedMap& map_b,
                     const Eigen::Isometry3d& T_a_b, const Options& unscaled) {
   map_a.wholeMap();

@@ -158,6 +158,35 @@ MatchResult matchMaps(const MapFeatures& a, const MapFeatures& b, const Eigen::I
   return result;
 }
 
+double coarseAgreement(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
+                       Options options) {
+  constexpr double kWider = 2;          // most width of a cell over that of a match
+  constexpr double kCells = 32;         // least number of cells along the diagonal of a map
+  constexpr size_t kVoxels = 300;       // of each map
+  constexpr unsigned kHypotheses = 64;  // of the search
+  constexpr size_t kRefined = 16;       // of these
+  if (isEmpty(a, b)) return 0;
+  const double diagonal = std::min(boxOf(a).diagonal().norm(), boxOf(b).diagonal().norm());
+  double& cell = options.search.cell;
+  cell = std::clamp(diagonal / kCells, cell, kWider * cell);
+  options.search.hypotheses = std::min(options.search.hypotheses, kHypotheses);
+  const ComparisonParams comparison = comparisonOf(options);
+  const SurfaceVoxels few_b = PoseComparison::voxelsOf(b, comparison, kVoxels);
+  std::vector<Hypothesis> found;
+  if (options.search.translation > 0) found = searchedStarts(a, b, few_b, T_a_b, options.search);
+  if (found.empty()) found.push_back({T_a_b, 0});
+
+  const VoxelAssociation association = associationOf(a, b, options.registration);
+  const PoseComparison by_few(a, b, association, comparison, kVoxels, few_b);
+  for (Hypothesis& h : found) h.score = by_few.agreementAt(h.T_a_b);
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Hypothesis& g, const Hypothesis& h) { return g.score > h.score; });
+  double best = 0;
+  for (size_t i = 0; i < std::min(kRefined, found.size()); i++)
+    best = std::max(best, by_few.refined(found[i].T_a_b).agreement);
+  return best;
+}
+
 MatchResult matchFrom(const MapFeatures& a, const MapFeatures& b, const Eigen::Isometry3d& T_a_b,
                       const Options& options) {
   const RegistrationParams& registration = options.registration;

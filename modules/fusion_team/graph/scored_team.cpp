@@ -25,12 +25,13 @@ double countOfNew(const ObstacleSet& more, const ObstacleSet& known) {
 }
 
 /** Share of the maps that see a conflict, of the maps that compare an obstacle. */
-struct Share {
+struct ConflictShare {
   double displaced, contradicted;
 };
-Share shareOf(unsigned confirmed, unsigned displaced, unsigned contradicted) {
+ConflictShare shareOf(unsigned confirmed, unsigned displaced, unsigned contradicted) {
   const unsigned all = confirmed + displaced + contradicted;
-  return all == 0 ? Share{0, 0} : Share{double(displaced) / all, double(contradicted) / all};
+  return all == 0 ? ConflictShare{0, 0}
+                  : ConflictShare{double(displaced) / all, double(contradicted) / all};
 }
 
 /** Calls \a visit for each obstacle in a word of a set. \a w: index of the word. */
@@ -68,8 +69,8 @@ ConflictShares conflictShares(const KnownObstacles& known) {
   ConflictShares sum;
   for (size_t w = 0; w < known.displaced.size(); w++)
     forEachIn(known.displaced[w] | known.contradicted[w], w, [&](size_t i) {
-      const Share share = shareOf(known.times_confirmed[i], known.times_displaced[i],
-                                  known.times_contradicted[i]);
+      const ConflictShare share =
+          shareOf(known.times_confirmed[i], known.times_displaced[i], known.times_contradicted[i]);
       sum.displaced += share.displaced;
       sum.contradicted += share.contradicted;
     });
@@ -215,9 +216,10 @@ double ScoredTeam::gainOf(size_t placed, const ComparedObstacles& more, Standing
     forEachIn(changed, w, [&](size_t i) {
       const unsigned c = known.times_confirmed[i], d = known.times_displaced[i],
                      x = known.times_contradicted[i];
-      const Share before = shareOf(c, d, x),
-                  after = shareOf(c + has(more.confirmed, i), d + (!is_sure && has(more.displaced, i)),
-                                  x + (!is_sure && has(more.contradicted, i)));
+      const ConflictShare before = shareOf(c, d, x),
+                          after = shareOf(c + has(more.confirmed, i),
+                                          d + (!is_sure && has(more.displaced, i)),
+                                          x + (!is_sure && has(more.contradicted, i)));
       conflicts += (after.displaced - before.displaced) / tolerance.displaced +
                    (after.contradicted - before.contradicted) / tolerance.contradicted;
     });

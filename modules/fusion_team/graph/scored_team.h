@@ -79,8 +79,9 @@ class ScoredTeam {
   const TeamEvidence& evidence() const { return *evidence_; }
   /** Returns the poses with their score: the confirmed area of all placed maps, less the displaced,
    * the contradicted and the explained area, each over its TeamEvidence::tolerance(), less the
-   * denied area. Displaced and contradicted obstacles count by conflictShares(). Where a configuration parts the maps of a sure match, the match is lost evidence:
-   * that each of both maps is confirmed by other maps does not make up for it. */
+   * denied area. Displaced and contradicted obstacles count by conflictShares(). Where a
+   * configuration parts the maps of a sure match, the match is lost evidence: that each of both
+   * maps is confirmed by other maps does not make up for it. */
   Configuration configuration() const { return {pose_, score()}; }
   double score() const;
   /** Returns the area of the obstacles of all maps that parted sure matches confirm. */

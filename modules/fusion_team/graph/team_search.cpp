@@ -20,6 +20,14 @@ using Eigen::Isometry3d;
 constexpr size_t kMostMoved = 32;     // configurations that moves of one map improve
 constexpr size_t kMostImproved = 16;  // configurations that moves of two maps improve
 constexpr size_t kMostTried = 8;      // other places of blocks that moves improve
+constexpr size_t kManyMaps = 20;      // with more maps, fewer configurations are grown and improved
+
+/** Returns the number of configurations for a team of \a n maps: the cost of a configuration grows
+ * with its maps, and those of a large team share most of their places. */
+size_t countFor(size_t n, size_t most) {
+  constexpr size_t kLeast = 2;
+  return n <= kManyMaps ? most : std::max(kLeast, most * kManyMaps / n);
+}
 
 bool scoresBetter(const Configuration& g, const Configuration& h) { return g.score > h.score; }
 
@@ -195,22 +203,23 @@ TeamSearchResult searchTeam(const std::vector<Way>& all_ways, const TeamEvidence
   if (all_ways.empty()) return result;
 
   const TeamWays ways(all_ways, evidence.size());
+  const size_t n = ways.n();
   std::vector<Configuration> grown;
   std::vector<bool> is_placed(evidence.size());
   const std::vector<Way> seeds = bestOf(all_ways, evidence);
   for (size_t i = 0; i < seeds.size(); i++) {
     // The best seeds lead to the best configurations. Each map is in one of them.
-    if (i >= most_starts && is_placed[seeds[i].a] && is_placed[seeds[i].b]) continue;
+    if (i >= countFor(n, most_starts) && is_placed[seeds[i].a] && is_placed[seeds[i].b]) continue;
     for (const GrowthOrder order : {GrowthOrder::LargestGain, GrowthOrder::Clearest}) {
       grown.push_back(grownFrom(seeds[i], ways, evidence, order));
-      for (size_t k = 0; k < ways.n(); k++)
+      for (size_t k = 0; k < n; k++)
         if (grown.back().pose[k]) is_placed[k] = true;
     }
   }
-  keepDistinct(grown, kMostMoved, evidence);
+  keepDistinct(grown, countFor(n, kMostMoved), evidence);
   for (Configuration& c : grown) improve(c, ways, evidence, Moves::OfOneMap);
-  keepDistinct(grown, kMostMoved, evidence);
-  for (size_t i = 0; i < std::min(kMostImproved, grown.size()); i++) {
+  keepDistinct(grown, countFor(n, kMostMoved), evidence);
+  for (size_t i = 0; i < std::min(countFor(n, kMostImproved), grown.size()); i++) {
     settle(grown[i], evidence);
     improve(grown[i], ways, evidence, Moves::OfOneOrTwo);
     settle(grown[i], evidence);

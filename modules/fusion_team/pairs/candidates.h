@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "fusion_team/pairs/executor.h"
+#include "fusion_team/pairs/pair_memory.h"
 
 /** \file
  * Chooses the pairs of a team that are matched. */
@@ -25,15 +26,15 @@ struct CandidatePair {
 constexpr size_t kMatchesPerMap = 12;
 
 /** Chooses the pairs to match: all pairs of at most 25 maps, otherwise kMatchesPerMap for each map.
- * Each map is matched with the first map, in whose frame the poses are, and with the maps that look
- * most like it: each surrounding of its Signature votes for the maps with the most similar
- * surroundings. Pairs whose prior keeps them apart are left out of the vote.
- * Cost: O(n^2) products of signatures for n maps.
+ * Each map is matched with the first map, in whose frame the poses are, and with the maps with the
+ * largest coarseAgreement(). Pairs whose prior keeps them apart are left out.
+ * Cost: a coarse match for each of the n (n-1) / 2 pairs of more than 25 maps.
  * \param[in] maps Whole maps.
  * \param[in] options Parameters of all stages.
  * \param[in,out] executor Runs the comparisons. The result does not depend on it.
+ * \param[in,out] memory Keeps the agreements.
  * \return Pairs, sorted by b, then by a. */
 std::vector<CandidatePair> candidatePairs(const std::vector<RobotMap>& maps, const Options& options,
-                                          Executor& executor);
+                                          Executor& executor, PairMemory& memory);
 
 }  // namespace mrpt::fusion

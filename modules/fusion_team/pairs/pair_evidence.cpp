@@ -13,17 +13,15 @@
 namespace mrpt::fusion {
 namespace {
 
-/** Largest motion of a pose to the refined pose, share of the tolerance of a right pose. With more,
- * each pair of a pile of maps would find a pose of its own. */
+/** Largest motion of a pose to the refined pose, and largest difference of two poses that share
+ * their evidence, share of the tolerance of a right pose. With more, each pair of a pile of maps
+ * would find a pose of its own. */
 constexpr double kSlack = 0.2;
 /** Contradicted obstacles over confirmed obstacles at which no refinement helps. */
 constexpr double kHopeless = 0.1;
 /** Least share of the compared obstacles that must be confirmed to fix a pose. Fewer obstacles are
  * a patch of floor and walls, which slides along a corridor. */
 constexpr double kLeastConfirmed = 0.1;
-/** Largest difference of two poses that share their evidence, share of the tolerance. Poses that
- * share refined or hopeless evidence may differ by kSlack. */
-constexpr double kSameQuestion = 0.1;
 /** Largest distance of a displaced obstacle from an obstacle of the other map, share of the
  * tolerance of a right pose. Drift bends maps by so much. */
 constexpr double kDisplacement = 0.7;
@@ -57,12 +55,6 @@ double scoreOf(const PairEvidence& e, double tolerance) {
 }
 
 }  // namespace
-
-Eigen::AlignedBox3d boxOf(const MapFeatures& map) {
-  Eigen::AlignedBox3d box;
-  for (const auto& p : map.matched.voxels.centre) box.extend(p.cast<double>());
-  return box;
-}
 
 double countOf(const ObstacleSet& set) {
   size_t n = 0;
@@ -153,26 +145,24 @@ std::optional<RegisteredPair> EvidenceOfPair::registeredNear(const Eigen::Isomet
 }
 
 bool EvidenceOfPair::answers(const Known& known, const Eigen::Isometry3d& T_a_b) const {
-  const double factor = known.is_wide ? kSlack : kSameQuestion;
-  const double most = factor * options_.evaluation.tolerance.translation;
-  return (T_a_b * middle_b_ - known.middle).squaredNorm() <= most * most &&  // cheap
-         isSame(T_a_b, known.evidence.T_a_b, factor);
+  return isSame(T_a_b, known.evidence.T_a_b, kSlack);
 }
 
 EvidenceOfPair::Known EvidenceOfPair::computed(const Eigen::Isometry3d& T_a_b) {
   if (!comparison_)
     comparison_ = std::make_unique<Comparison>(a_.features(), b_.features(), options_);
-  Known as_asked{T_a_b * middle_b_, false, at(T_a_b)};
+  Known as_asked{T_a_b * middle_b_, at(T_a_b)};
   const double confirmed = as_asked.evidence.confirmed();
-  as_asked.is_wide = as_asked.evidence.contradicted() >= kHopeless * confirmed;
-  if (as_asked.is_wide || confirmed < kLeastConfirmed * comparison_->obstacles()) return as_asked;
+  if (as_asked.evidence.contradicted() >= kHopeless * confirmed ||
+      confirmed < kLeastConfirmed * comparison_->obstacles())
+    return as_asked;
   const auto registered = registeredNear(T_a_b);
   as_asked.evidence.registered = registered;
   if (!registered || !isSame(T_a_b, registered->T_a_b, kSlack)) return as_asked;
   const PairEvidence& there = at(registered->T_a_b);
   const double tolerance = options_.ranking.agreement.tolerance;
   if (scoreOf(there, tolerance) <= scoreOf(as_asked.evidence, tolerance)) return as_asked;
-  Known refined{registered->T_a_b * middle_b_, true, there};
+  Known refined{registered->T_a_b * middle_b_, there};
   refined.evidence.registered = registered;
   return refined;
 }
@@ -218,7 +208,7 @@ const PairEvidence& EvidenceOfPair::near(const Eigen::Isometry3d& T_a_b) {
   if (mayMeet(T_a_b))
     remember(computed(T_a_b));
   else
-    remember({T_a_b * middle_b_, false, {T_a_b, {}, {}}});
+    remember({T_a_b * middle_b_, {T_a_b, {}, {}}});
   return known_.back().evidence;
 }
 

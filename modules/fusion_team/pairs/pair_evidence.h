@@ -22,11 +22,6 @@
 
 namespace mrpt::fusion {
 
-struct MapFeatures;
-
-/** Returns the bounding box of the matched voxels of a map, in its frame, m. */
-Eigen::AlignedBox3d boxOf(const MapFeatures& map);
-
 /** A set of the obstacles of a map, one bit each. */
 using ObstacleSet = std::vector<uint64_t>;
 /** Returns the number of obstacles in a set. */
@@ -89,7 +84,6 @@ class EvidenceOfPair {
   struct Comparison;
   struct Known {
     Eigen::Vector3d middle;  // middle of B at the pose of the evidence, m
-    bool is_wide;            // answers for all poses within kSlack
     PairEvidence evidence;
   };
   /** Values of a function of a pose. Those from before the last restart are not made again. */

@@ -43,7 +43,8 @@ std::vector<PairMatch> matchPairs(const std::vector<RobotMap>& maps, const Optio
                                   Executor& executor, const OnMember& on_member,
                                   PairMemory& memory) {
   std::vector<PairMatch> matches;
-  for (const auto& [a, b] : candidatePairs(maps, options, executor)) matches.push_back({a, b, {}});
+  for (const auto& [a, b] : candidatePairs(maps, options, executor, memory))
+    matches.push_back({a, b, {}});
   std::mutex mutex;
   executor.run(matches.size(), [&](size_t i) {
     PairMatch& m = matches[i];

@@ -16,8 +16,22 @@ void append(const Matrix& m, std::vector<double>& key) {
     for (Eigen::Index col = 0; col < m.cols(); col++) key.push_back(m(row, col));
 }
 
+std::vector<double> keyOf(const Prior& prior) {
+  std::vector<double> key;
+  append(toEigen(prior.guess()).matrix(), key);
+  append(prior.pdf().cov.asEigen(), key);
+  return key;
+}
+
 bool haveSameBits(const std::vector<double>& a, const std::vector<double>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+}
+
+/** Forgets the results that are not used. The others are not used any more. */
+template <class Results>
+void forgetUnused(Results& results) {
+  results.remove_if([](const auto& known) { return !known.is_used; });
+  for (auto& known : results) known.is_used = false;
 }
 
 }  // namespace
@@ -27,22 +41,23 @@ PairMemory::Pair& PairMemory::pairOf(const PreparedMap& a, const PreparedMap& b)
     return &p.a.features() == &a.features() && &p.b.features() == &b.features();
   });
   if (known != pairs_.end()) return *known;
-  pairs_.push_back({a, b, {}, {}, nullptr, false});
+  pairs_.push_back({a, b, {}, {}, {}, nullptr, false});
   return pairs_.back();
 }
 
-Alignment PairMemory::remembered(std::list<Known> Pair::*kind, const PreparedMap& a,
-                                 const PreparedMap& b, const std::vector<double>& key,
-                                 const Make& make) {
+template <class Result>
+Result PairMemory::remembered(Results<Result> Pair::*kind, const PreparedMap& a,
+                              const PreparedMap& b, const std::vector<double>& key,
+                              const std::function<Result()>& make) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    for (Known& known : pairOf(a, b).*kind)
+    for (Known<Result>& known : pairOf(a, b).*kind)
       if (haveSameBits(known.key, key)) {
         known.is_used = true;
-        return known.alignment;
+        return known.result;
       }
   }
-  Alignment made = make();
+  Result made = make();
   const std::lock_guard<std::mutex> lock(mutex_);
   (pairOf(a, b).*kind).push_back({key, made, true});
   return made;
@@ -50,10 +65,12 @@ Alignment PairMemory::remembered(std::list<Known> Pair::*kind, const PreparedMap
 
 Alignment PairMemory::match(const PreparedMap& a, const PreparedMap& b, const Prior& prior,
                             const Make& make) {
-  std::vector<double> key;
-  append(toEigen(prior.guess()).matrix(), key);
-  append(prior.pdf().cov.asEigen(), key);
-  return remembered(&Pair::matches, a, b, key, make);
+  return remembered(&Pair::matches, a, b, keyOf(prior), make);
+}
+
+double PairMemory::agreement(const PreparedMap& a, const PreparedMap& b, const Prior& prior,
+                             const MakeNumber& make) {
+  return remembered(&Pair::agreements, a, b, keyOf(prior), make);
 }
 
 Alignment PairMemory::registration(const PreparedMap& a, const PreparedMap& b,
@@ -78,15 +95,15 @@ std::shared_ptr<EvidenceOfPair> PairMemory::evidence(const PreparedMap& a, const
 void PairMemory::forgetUnused() {
   const std::lock_guard<std::mutex> lock(mutex_);
   for (Pair& pair : pairs_) {
-    for (const auto kind : {&Pair::matches, &Pair::registrations}) {
-      (pair.*kind).remove_if([](const Known& known) { return !known.is_used; });
-      for (Known& known : pair.*kind) known.is_used = false;
-    }
+    mrpt::fusion::forgetUnused(pair.matches);
+    mrpt::fusion::forgetUnused(pair.registrations);
+    mrpt::fusion::forgetUnused(pair.agreements);
     if (!pair.is_evidence_used) pair.evidence = nullptr;
     pair.is_evidence_used = false;
   }
-  pairs_.remove_if(
-      [](const Pair& p) { return p.matches.empty() && p.registrations.empty() && !p.evidence; });
+  pairs_.remove_if([](const Pair& p) {
+    return p.matches.empty() && p.registrations.empty() && p.agreements.empty() && !p.evidence;
+  });
 }
 
 }  // namespace mrpt::fusion

@@ -24,9 +24,13 @@ class PairMemory {
  public:
   /** Makes a result that is not remembered. */
   using Make = std::function<Alignment()>;
+  using MakeNumber = std::function<double()>;
 
   /** Returns the match of two maps with a prior. */
   Alignment match(const PreparedMap& a, const PreparedMap& b, const Prior& prior, const Make& make);
+  /** Returns the agreement of two maps with a prior, see coarseAgreement(). */
+  double agreement(const PreparedMap& a, const PreparedMap& b, const Prior& prior,
+                   const MakeNumber& make);
   /** Returns the registration of B in A from a pose. */
   Alignment registration(const PreparedMap& a, const PreparedMap& b, const Eigen::Isometry3d& T_a_b,
                          const Make& make);
@@ -39,20 +43,25 @@ class PairMemory {
 
  private:
   /** A result, and the numbers that it depends on. */
+  template <class Result>
   struct Known {
     std::vector<double> key;
-    Alignment alignment;
+    Result result;
     bool is_used;
   };
+  template <class Result>
+  using Results = std::list<Known<Result>>;
   struct Pair {
     PreparedMap a, b;  // keep the features alive, whose addresses identify the maps
-    std::list<Known> matches, registrations;
+    Results<Alignment> matches, registrations;
+    Results<double> agreements;
     std::shared_ptr<EvidenceOfPair> evidence;
     bool is_evidence_used;
   };
   Pair& pairOf(const PreparedMap& a, const PreparedMap& b);
-  Alignment remembered(std::list<Known> Pair::*kind, const PreparedMap& a, const PreparedMap& b,
-                       const std::vector<double>& key, const Make& make);
+  template <class Result>
+  Result remembered(Results<Result> Pair::*kind, const PreparedMap& a, const PreparedMap& b,
+                    const std::vector<double>& key, const std::function<Result()>& make);
 
   std::list<Pair> pairs_;
   std::mutex mutex_;

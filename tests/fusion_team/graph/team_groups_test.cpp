@@ -35,8 +35,7 @@ class TwoPlaces : public TeamEvidence {
   const PairEvidence& near(size_t a, size_t b, const Isometry3d& T) const override {
     const ObstacleSet low{0xffffffffU}, high{0xffffffff00000000U}, few{0xfffff00000000U}, no{0};
     static const PairEvidence none{}, right{{}, {low, no, no}, {low, no, no}},
-        confirms{{}, {high, no, no}, {low, no, no}},
-        contradicts{{}, {no, no, few}, {no, no, no}};
+        confirms{{}, {high, no, no}, {low, no, no}}, contradicts{{}, {no, no, few}, {no, no, no}};
     if (T.translation().norm() > 12) return none;
     if ((a == 0 && b == 1) || (a == 3 && b == 4)) return isSame(b, T, truth()) ? right : none;
     if (b == 2) return a == 0 ? confirms : contradicts;

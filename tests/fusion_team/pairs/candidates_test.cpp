@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "fusion_core/pair/align_from.h"
 #include "fusion_octree/resampling.h"
-#include "fusion_team/pairs/signature.h"
 #include "support/test_maps.h"
 
 namespace mrpt::fusion::test::candidates_test {
@@ -46,7 +46,8 @@ std::vector<RobotMap> mapsOf15Rooms() {
 
 std::vector<CandidatePair> chosenOf(const std::vector<RobotMap>& maps) {
   ThreadExecutor executor;
-  return candidatePairs(maps, Options(), executor);
+  PairMemory memory;
+  return candidatePairs(maps, Options(), executor, memory);
 }
 
 bool contains(const std::vector<CandidatePair>& pairs, size_t a, size_t b) {
@@ -85,18 +86,16 @@ TEST(Candidates, MapsWhosePosesAreFarApartAreNotMatched) {
   for (const auto& [a, b] : chosenOf(maps)) EXPECT_TRUE(a == 0 || a % 2 == b % 2) << a << " " << b;
 }
 
-TEST(Signature, FitsTheTurnedMapBetterThanAnotherMap) {
+TEST(CoarseAgreement, IsLargestWithAMapOfTheSamePlace) {
   const auto map = room(1);
   const PreparedMap a(*map), turned(*transformOcTree(*map, poseOf(3, -1, 0.3, 70), 0.1)),
       other(*room(2));
-  const auto likeness = [&](const PreparedMap& g, const PreparedMap& h) {
-    return (signatureOf(g.features(), 1).transpose() * signatureOf(h.features(), 1))
-        .rowwise()
-        .maxCoeff()
-        .mean();
+  const auto agreementWith = [&](const PreparedMap& b) {
+    return coarseAgreement(a, b, Prior::none(), Options());
   };
-  EXPECT_NEAR(likeness(a, a), 1, 1e-5);
-  EXPECT_GT(likeness(turned, a), likeness(turned, other));
+  EXPECT_GT(agreementWith(a), 0);
+  EXPECT_GT(agreementWith(turned), 1.5 * agreementWith(other));
+  EXPECT_NEAR(agreementWith(turned), agreementWith(a), 0.3 * agreementWith(a));
 }
 
 }  // namespace

@@ -57,6 +57,27 @@ TEST(PairEvidence, ANearObstacleIsDisplacedAndAFarObstacleIsContradicted) {
   EXPECT_GT(moved.contradicted(), 0);
 }
 
+TEST(PairEvidence, PosesAtOnePlaceShareTheRegisteredPose) {
+  const PreparedMap a = room(0), b = room(0);
+  EvidenceOfPair pair(a, b, Options());
+  Eigen::Isometry3d beside = Eigen::Isometry3d::Identity();
+  beside.translation() = Eigen::Vector3d(0.2, 0.15, 0);
+  const auto first = pair.near(Eigen::Isometry3d::Identity()).registered;
+  const auto other = pair.near(beside).registered;
+  ASSERT_TRUE(first && other);
+  EXPECT_TRUE(first->T_a_b.isApprox(other->T_a_b, 0));
+  EXPECT_LT(first->T_a_b.translation().norm(), 0.05);
+  EXPECT_LT(first->covariance.trace(), 0.1);
+}
+
+TEST(PairEvidence, MapsThatShareLittleFixNoPose) {
+  Eigen::Isometry3d apart = Eigen::Isometry3d::Identity();
+  apart.translation().x() = 5.8;  // the rooms share the end of the floor
+  const PairEvidence e = evidenceOf(room(0), room(0), apart);
+  EXPECT_FALSE(e.of_a.confirmed.empty()) << "the boxes meet";
+  EXPECT_FALSE(e.registered);
+}
+
 TEST(PairEvidence, MapsThatDoNotMeetSayNothing) {
   Eigen::Isometry3d far = Eigen::Isometry3d::Identity();
   far.translation().x() = 50;
