@@ -15,8 +15,14 @@ namespace mrpt::fusion {
  * \param[in] bits The bits; not 0. */
 constexpr int lowestBit(uint64_t bits) { return __builtin_ctzll(bits); }
 
-/** Returns the number of set bits. */
-constexpr int countBits(uint32_t bits) { return __builtin_popcount(bits); }
+/** Returns the number of set bits. Without a call: the built-in function calls a library where the
+ * oldest processors of an architecture cannot count bits. */
+constexpr int countBits(uint64_t bits) {
+  bits -= bits >> 1 & 0x5555555555555555;                                 // of 2 bits each
+  bits = (bits & 0x3333333333333333) + (bits >> 2 & 0x3333333333333333);  // of 4 bits each
+  bits = (bits + (bits >> 4)) & 0x0f0f0f0f0f0f0f0f;                       // of 8 bits each
+  return static_cast<int>(bits * 0x0101010101010101 >> 56);
+}
 
 /** Loads element i of \a v into the cache, for a later access. */
 template <class T>

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "fusion_base/bits.h"
+
 namespace mrpt::fusion {
 
 void FreeSpace::addCube(const OcTreeCube& leaf) {
@@ -22,7 +24,7 @@ void FreeSpace::addCube(const OcTreeCube& leaf) {
 
 uint64_t FreeSpace::size() const {
   uint64_t n = 0;
-  for (const uint64_t mask : masks_) n += static_cast<uint64_t>(__builtin_popcountll(mask));
+  for (const uint64_t mask : masks_) n += static_cast<uint64_t>(countBits(mask));
   for (const Range& cube : cubes_) n += cube.end - cube.first;
   return n;
 }

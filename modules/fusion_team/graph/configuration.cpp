@@ -84,12 +84,16 @@ class TeamGrowth {
       if (team_.isPlaced(map)) continue;
       const Isometry3d T = poseBy(way, from, *team_.pose(from));
       const auto is_there = [&](const Addition& k) {
-        return team_.evidence().isSame(map, k.pose(), T);
+        return team_.evidence().isNearlySame(map, k.pose(), T);
       };
       auto& of_map = additions_[map];
       if (isTouched(map, T) && std::none_of(of_map.begin(), of_map.end(), is_there))
         of_map.emplace_back(map, T, team_);
     }
+  }
+
+  bool isSamePlace(const Addition& g, const Addition& h) const {
+    return team_.evidence().isSame(g.map(), g.pose(), h.pose());
   }
 
   /** Returns what to place next, or nothing if nothing increases the score. */
@@ -98,18 +102,20 @@ class TeamGrowth {
     double largest = 0;
     for (auto& of_map : additions_) {
       const Addition* best_of_map = nullptr;
-      double gain = 0, second = 0;
+      double gain = 0, second = 0;  // of the best place, and of the best other place
       for (Addition& addition : of_map) {
-        const double other = addition.gain(team_);
-        second = std::max(second, std::min(gain, other));
-        if (other <= gain) continue;
-        gain = other;
+        if (addition.gain(team_) <= gain) continue;
+        gain = addition.gain(team_);
         best_of_map = &addition;
       }
-      const double preference = gain - (order == GrowthOrder::Clearest ? second : 0);
-      if (!best_of_map || (next && preference <= largest)) continue;
+      if (!best_of_map) continue;
+      if (order == GrowthOrder::Clearest)
+        for (Addition& addition : of_map)
+          if (addition.gain(team_) > second && !isSamePlace(*best_of_map, addition))
+            second = addition.gain(team_);
+      if (next && gain - second <= largest) continue;
       next = best_of_map;
-      largest = preference;
+      largest = gain - second;
     }
     return next;
   }
@@ -195,7 +201,8 @@ void settle(Configuration& c, const TeamEvidence& evidence) {
     for (size_t i = 0; i < c.pose.size(); i++)
       for (const auto& [j, r] : team.relations(i))
         if (const auto& registered = r.evidence->registered; j > i && registered)
-          constraints.push_back(constraintOf(i, j, registered->T_a_b, registered->covariance));
+          constraints.push_back(
+              constraintOf(i, j, *registered, evidence.covariance(i, j, *registered)));
     std::sort(constraints.begin(), constraints.end(), [](const auto& g, const auto& h) {
       return std::pair(g.a, g.b) < std::pair(h.a, h.b);
     });

@@ -10,6 +10,8 @@
 #include <tuple>
 #include <utility>
 
+#include "fusion_team/graph/rigid_groups.h"
+
 namespace mrpt::fusion {
 namespace {
 
@@ -29,8 +31,14 @@ class EvidenceBeforeSettling : public TeamEvidence {
   const PairEvidence& near(size_t a, size_t b, const Isometry3d& T_a_b) const override {
     return evidence_.near(a, b, T_a_b);
   }
+  Matrix6d covariance(size_t a, size_t b, const Isometry3d& registered) const override {
+    return evidence_.covariance(a, b, registered);
+  }
   bool isSame(size_t b, const Isometry3d& T, const Isometry3d& U) const override {
     return evidence_.isSame(b, T, U);
+  }
+  bool isNearlySame(size_t b, const Isometry3d& T, const Isometry3d& U) const override {
+    return evidence_.isNearlySame(b, T, U);
   }
   bool isSure(size_t a, size_t b, const Isometry3d& T_a_b) const override {
     return evidence_.isSure(a, b, T_a_b);
@@ -120,45 +128,76 @@ double joiningGain(ScoredTeam& team, const std::vector<Placement>& block, double
   return placed + 1 < block.size() ? std::min(gain, 0.0) : gain;
 }
 
+/** Moves a block of maps of a configuration to other places. */
+class MovedBlock {
+ public:
+  MovedBlock(const Block& block, const Configuration& c, const TeamEvidence& evidence)
+      : block_(block),
+        c_(c),
+        evidence_(evidence),
+        before_settling_(evidence),
+        others_(c, evidence),
+        rest_(c, before_settling_) {
+    const double whole = rest_.score();
+    for (const size_t k : block) {
+      rest_.remove(k);
+      others_.remove(k);
+    }
+    alone_ = with(c, block, before_settling_).score;
+    gain_ = whole - rest_.score() - alone_;
+  }
+
+  bool has(size_t map) const {
+    return std::find(block_.begin(), block_.end(), map) != block_.end();
+  }
+
+  /** Adds the configuration in which the block has moved, if it gains there.
+   * \param[in] asked The map of the block that is compared first. */
+  void add(const Isometry3d& motion, size_t asked, std::vector<Configuration>& rivals) {
+    const size_t front = block_.front();
+    const Isometry3d T_front = motion * *c_.pose[front];
+    const auto isThere = [&](const Isometry3d& T) {
+      return evidence_.isNearlySame(front, T_front, T);
+    };
+    if (std::any_of(tried_.begin(), tried_.end(), isThere)) return;
+    tried_.push_back(T_front);
+    std::vector<Placement> moved{{asked, motion * *c_.pose[asked]}};
+    for (const size_t k : block_)
+      if (k != asked) moved.push_back({k, motion * *c_.pose[k]});
+    const double gain_there = joiningGain(rest_, moved, alone_);
+    if (gain_there <= 0) return;
+    for (const Placement& p : moved) others_.place(p.map, p.T);
+    Configuration rival = others_.configuration();
+    for (const Placement& p : moved) others_.remove(p.map);
+    if (rest_.score() + alone_ + gain_there > kWorthSettling * c_.score &&
+        gain_there > kWorthwhile * gain_)
+      settle(rival, evidence_);
+    rivals.push_back(std::move(rival));
+  }
+
+ private:
+  const Block& block_;
+  const Configuration& c_;
+  const TeamEvidence& evidence_;
+  const EvidenceBeforeSettling before_settling_;
+  ScoredTeam others_, rest_;  // the maps outside of the block; the second before settling
+  double alone_, gain_;       // of the block, before settling
+  std::vector<Isometry3d> tried_;
+};
+
 /** Adds the configurations in which a block is elsewhere. */
 void addOtherPlaces(const Block& block, const Configuration& c, const TeamWays& ways,
                     const TeamEvidence& evidence, std::vector<Configuration>& rivals) {
-  const auto in_block = [&](size_t k) {
-    return std::find(block.begin(), block.end(), k) != block.end();
-  };
-  const EvidenceBeforeSettling before_settling(evidence);
-  ScoredTeam rest(c, before_settling);
-  const double whole = rest.score();
-  for (const size_t k : block) rest.remove(k);
-  const double alone = with(c, block, before_settling).score;
-  const double gain = whole - rest.score() - alone;
-  std::vector<Isometry3d> tried;
+  MovedBlock moved(block, c, evidence);
   for (const size_t inside : block)
     for (const size_t w : ways.of[inside]) {
       const Way& way = ways.all[w];
       const size_t outside = way.a == inside ? way.b : way.a;
-      if (in_block(outside) || !c.pose[outside]) continue;
+      if (moved.has(outside) || !c.pose[outside]) continue;
       const Isometry3d T = *c.pose[outside] * (way.a == inside ? way.T_a_b.inverse() : way.T_a_b);
       if (evidence.isSame(inside, T, *c.pose[inside])) continue;
-      const Isometry3d motion = T * c.pose[inside]->inverse();
-      const Isometry3d T_front = motion * *c.pose[block.front()];
-      if (std::any_of(tried.begin(), tried.end(), [&](const Isometry3d& U) {
-            return evidence.isSame(block.front(), T_front, U);
-          }))
-        continue;
-      tried.push_back(T_front);
-      std::vector<Placement> moved{{inside, T}};  // the map of the way first: its evidence is known
-      for (const size_t k : block)
-        if (k != inside) moved.push_back({k, motion * *c.pose[k]});
-      const double gain_there = joiningGain(rest, moved, alone);
-      if (gain_there <= 0) continue;
-      Configuration rival = c;
-      for (const Placement& p : moved) rival.pose[p.map] = p.T;
-      rival.score = scoreOf(rival, evidence);
-      if (rest.score() + alone + gain_there > kWorthSettling * c.score &&
-          gain_there > kWorthwhile * gain)
-        settle(rival, evidence);
-      rivals.push_back(std::move(rival));
+      // The map of the way first: its evidence is known.
+      moved.add(T * c.pose[inside]->inverse(), inside, rivals);
     }
 }
 
@@ -195,6 +234,21 @@ std::vector<Configuration> otherPlaces(const Configuration& c, const TeamWays& w
   std::vector<Configuration> rivals;
   for (const auto& block : blocksOf(c, evidence)) addOtherPlaces(block, c, ways, evidence, rivals);
   return rivals;
+}
+
+std::vector<Configuration> crossed(const Configuration& c, const Configuration& other,
+                                   const TeamEvidence& evidence) {
+  const auto groups = rigidGroups(c, other, evidence);
+  std::vector<Isometry3d> to_c;  // from the frame of the other configuration, by group
+  for (const Block& group : groups)
+    to_c.push_back(*c.pose[group.front()] * other.pose[group.front()]->inverse());
+  std::vector<Configuration> result;
+  for (size_t i = 0; i < groups.size(); i++) {
+    MovedBlock moved(groups[i], c, evidence);
+    for (size_t j = 0; j < groups.size(); j++)
+      if (j != i) moved.add(to_c[j] * to_c[i].inverse(), groups[i].front(), result);
+  }
+  return result;
 }
 
 }  // namespace mrpt::fusion

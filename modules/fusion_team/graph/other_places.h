@@ -21,4 +21,11 @@ std::vector<std::vector<size_t>> blocksOf(const Configuration& c, const TeamEvid
 std::vector<Configuration> otherPlaces(const Configuration& c, const TeamWays& ways,
                                        const TeamEvidence& evidence);
 
+/** Returns the configurations in which a rigid group of two configurations, see rigidGroups(), lies
+ * to another group as the second configuration says, and all other maps lie as in the first, if the
+ * group gains there. Each configuration may join its groups wrongly at places where another
+ * configuration joins them right. */
+std::vector<Configuration> crossed(const Configuration& c, const Configuration& other,
+                                   const TeamEvidence& evidence);
+
 }  // namespace mrpt::fusion

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "fusion_core/registration/normal_equations.h"
@@ -52,7 +53,8 @@ struct Residual {
   }
 };
 
-/** Least squares on the poses that constraints use. The first of them is constant. */
+/** Least squares on the poses that constraints use. Of the maps that constraints connect with each
+ * other, the first keeps its pose. */
 class PoseProblem {
  public:
   /** \a squared_scale: squared error that halves the weight of a constraint (Cauchy's loss). */
@@ -61,6 +63,7 @@ class PoseProblem {
       : squared_scale_(squared_scale),
         parameters_(pose.size()),
         is_used_(pose.size()),
+        first_of_(pose.size()),
         problem_(keepingManifold()) {
     auto* loss = new ceres::CauchyLoss(std::sqrt(squared_scale));  // owned by the problem
     for (size_t k = 0; k < pose.size(); k++)
@@ -79,9 +82,14 @@ class PoseProblem {
         problem_.SetManifold(parameters_[k].rotation.coeffs().data(), &quaternions_);
       }
     }
-    first_ =
-        static_cast<size_t>(std::find(is_used_.begin(), is_used_.end(), true) - is_used_.begin());
-    for (double* block : blocksOf(first_)) problem_.SetParameterBlockConstant(block);
+    std::iota(first_of_.begin(), first_of_.end(), 0);
+    for (const PoseConstraint& c : constraints) {
+      const auto [first, other] = std::minmax({first_of_[c.a], first_of_[c.b]});
+      std::replace(first_of_.begin(), first_of_.end(), other, first);
+    }
+    for (size_t k = 0; k < pose.size(); k++)
+      if (is_used_[k] && !isFree(k))
+        for (double* block : blocksOf(k)) problem_.SetParameterBlockConstant(block);
   }
 
   /** Writes the optimum, if it is usable. */
@@ -113,9 +121,8 @@ class PoseProblem {
       const double squared = Eigen::Map<const Vector6d>(&residuals[i]).squaredNorm();
       weighted += squared / (1 + squared / squared_scale_);
     }
-    const auto used = std::count(is_used_.begin(), is_used_.end(), true);
-    const double freedom =
-        static_cast<double>(residuals.size()) - 6 * static_cast<double>(used - 1);
+    double freedom = static_cast<double>(residuals.size());
+    for (size_t k = 0; k < is_used_.size(); k++) freedom -= isFree(k) ? 6 : 0;
     return std::max(1.0, (weighted + kAgreeing) / (freedom + kAgreeing));
   }
 
@@ -148,7 +155,7 @@ class PoseProblem {
     return options;
   }
 
-  bool isFree(size_t k) const { return is_used_[k] && k != first_; }
+  bool isFree(size_t k) const { return is_used_[k] && k != first_of_[k]; }
 
   /** Returns the position and the rotation of a map. */
   std::array<double*, 2> blocksOf(size_t k) {
@@ -170,7 +177,7 @@ class PoseProblem {
   double squared_scale_;
   std::vector<Parameters> parameters_;
   std::vector<bool> is_used_;
-  size_t first_ = 0;
+  std::vector<size_t> first_of_;  // the first map that constraints connect with a map
   ceres::EigenQuaternionManifold quaternions_;
   ceres::Problem problem_;
 };

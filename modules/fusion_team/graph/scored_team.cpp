@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "fusion_base/bits.h"
+
 namespace mrpt::fusion {
 namespace {
 
@@ -19,8 +21,7 @@ void unite(ObstacleSet& all, const ObstacleSet& more) {
 double countOfNew(const ObstacleSet& more, const ObstacleSet& known) {
   if (known.empty()) return countOf(more);
   size_t n = 0;
-  for (size_t w = 0; w < more.size(); w++)
-    n += static_cast<size_t>(__builtin_popcountll(more[w] & ~known[w]));
+  for (size_t w = 0; w < more.size(); w++) n += static_cast<size_t>(countBits(more[w] & ~known[w]));
   return static_cast<double>(n);
 }
 
@@ -37,7 +38,7 @@ ConflictShare shareOf(unsigned confirmed, unsigned displaced, unsigned contradic
 /** Calls \a visit for each obstacle in a word of a set. \a w: index of the word. */
 template <class Visitor>
 void forEachIn(uint64_t word, size_t w, const Visitor& visit) {
-  for (; word; word &= word - 1) visit(64 * w + static_cast<size_t>(__builtin_ctzll(word)));
+  for (; word; word &= word - 1) visit(64 * w + static_cast<size_t>(lowestBit(word)));
 }
 
 bool has(const ObstacleSet& set, size_t i) { return set[i / 64] >> (i % 64) & 1; }

@@ -6,6 +6,7 @@
 #include <mrpt/core/exceptions.h>
 
 #include <algorithm>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -42,6 +43,27 @@ std::vector<JudgedWay> judged(const std::vector<Way>& ways, const std::vector<Pa
     result.push_back({way, is_match && evidence.holds(*match) ? pair.evaluation.probability : 0});
   }
   return result;
+}
+
+/** Returns pairs that were not matched, and that fix each other's poses in a configuration: the
+ * maps meet there and agree. The pair with the most confirmed obstacles comes first. */
+std::vector<CandidatePair> unmatchedPairs(const Configuration& c,
+                                          const std::vector<PairMatch>& matches,
+                                          const TeamEvidence& evidence) {
+  std::set<std::pair<size_t, size_t>> matched;
+  for (const PairMatch& m : matches) matched.emplace(m.a, m.b);
+  std::vector<std::pair<double, CandidatePair>> order;
+  for (size_t a = 0; a < c.pose.size(); a++)
+    for (size_t b = a + 1; b < c.pose.size(); b++) {
+      if (!c.pose[a] || !c.pose[b] || matched.count({a, b})) continue;
+      const PairEvidence& e = evidence.near(a, b, c.pose[a]->inverse() * *c.pose[b]);
+      if (e.registered) order.push_back({e.confirmed(), {a, b}});
+    }
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& g, const auto& h) { return g.first > h.first; });
+  std::vector<CandidatePair> pairs;
+  for (const auto& entry : order) pairs.push_back(entry.second);
+  return pairs;
 }
 
 /** Returns the most probable match of a map that is not placed with a placed map. */
@@ -121,7 +143,7 @@ PlacedTeam placeTeam(const std::vector<RobotMap>& maps, const Options& options,
   return placeByMatches(maps, matches, options, memory);
 }
 
-PlacedTeam placeByMatches(const std::vector<RobotMap>& maps, const std::vector<PairMatch>& matches,
+PlacedTeam placeByMatches(const std::vector<RobotMap>& maps, std::vector<PairMatch> matches,
                           const Options& options, PairMemory& memory) {
   ThreadExecutor executor;
   // 2. Graph: the poses in which pairs may lie, and what all pairs say of them.
@@ -136,7 +158,17 @@ PlacedTeam placeByMatches(const std::vector<RobotMap>& maps, const std::vector<P
   // 3. Verdict: the maps whose place can be trusted.
   std::vector<std::string> names;
   for (const RobotMap& map : maps) names.push_back(map.robot);
-  const PlacedGroups groups = placeGroups(judged(ways, matches, evidence), evidence, names, params);
+  // Candidates miss some maps that meet: they are matched once it is known where they may lie.
+  const auto matchFurther = [&](const Configuration& c) {
+    std::vector<CandidatePair> pairs = unmatchedPairs(c, matches, evidence);
+    const size_t most = kMatchesPerMap * maps.size();
+    pairs.resize(std::min(pairs.size(), most - std::min(most, matches.size())));
+    const std::vector<PairMatch> further = matchPairs(maps, pairs, options, executor, {}, memory);
+    matches.insert(matches.end(), further.begin(), further.end());
+    return judged(waysOf(further, evidence), further, evidence);
+  };
+  const PlacedGroups groups =
+      placeGroups(judged(ways, matches, evidence), evidence, names, params, matchFurther);
   const std::vector<PlacedMap>& placed = groups.maps;
 
   // 4. Poses: each placed map is registered with its parent, with all voxels. Each other map keeps

@@ -30,10 +30,11 @@ struct PlacedTeam {
 PlacedTeam placeTeam(const std::vector<RobotMap>& maps, const Options& options,
                      const OnMember& on_member, PairMemory& memory);
 
-/** Places whole maps by given matches of their pairs, see placeTeam().
- * \param[in] matches Matches of the pairs. Each map has a match with the first map or a map that is
- * matched with it. */
-PlacedTeam placeByMatches(const std::vector<RobotMap>& maps, const std::vector<PairMatch>& matches,
+/** Places whole maps by given matches of their pairs, see placeTeam(), and by matches of other
+ * pairs that meet then, as long as there are at most kMatchesPerMap for each map. \param[in]
+ * matches Matches of the pairs. Each map has a match with the first map or a map that is matched
+ * with it. */
+PlacedTeam placeByMatches(const std::vector<RobotMap>& maps, std::vector<PairMatch> matches,
                           const Options& options, PairMemory& memory);
 
 }  // namespace mrpt::fusion

@@ -58,8 +58,17 @@ class TeamEvidence {
   virtual size_t size() const = 0;
   /** Returns the evidence of maps a < b near a pose. */
   virtual const PairEvidence& near(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const = 0;
+  /** Returns the covariance of maps a < b at their registered pose, see PairEvidence::registered
+   * and MatchResult::covariance. */
+  virtual Matrix6d covariance(size_t a, size_t b, const Eigen::Isometry3d& registered) const = 0;
   /** True if two poses of map \a b in one frame are the same place. */
   virtual bool isSame(size_t b, const Eigen::Isometry3d& T, const Eigen::Isometry3d& U) const = 0;
+  /** True if two poses of map \a b in one frame are so near that they share their evidence. Of
+   * poses at one place that do not, one may agree with the other maps and another may not. */
+  virtual bool isNearlySame(size_t b, const Eigen::Isometry3d& T,
+                            const Eigen::Isometry3d& U) const {
+    return isSame(b, T, U);
+  }
   /** True if maps a < b are sure that map \a b is there: by their match, by sure matches with two
    * other maps, or because they fit nowhere else nearly as well. The conflicts that they have at
    * this place are weighed already. */

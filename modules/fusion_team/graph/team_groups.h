@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -18,15 +19,20 @@ struct PlacedGroups {
   std::vector<std::vector<size_t>> others;
 };
 
+/** Returns further ways between maps that meet in a configuration. */
+using FurtherWays = std::function<std::vector<JudgedWay>(const Configuration&)>;
+
 /** Searches the best configuration of a team and judges it. A map that neither a loop nor a sure
  * match connects with the first map may be of another place, and may then spoil the places of
- * others. The search is repeated without the map; the map that contributes least leaves first.
+ * others. The search is repeated without the map; the maps that contribute least leave first.
  * The maps that are not placed are searched for other groups in the same way.
  * \param[in] ways Hypotheses of all pairs.
  * \param[in] evidence Evidence of all pairs.
  * \param[in] names Names of the maps.
- * \param[in] params Settings. */
-PlacedGroups placeGroups(const std::vector<JudgedWay>& ways, const TeamEvidence& evidence,
-                         const std::vector<std::string>& names, const JointVerdictParams& params);
+ * \param[in] params Settings.
+ * \param[in] further Gives further ways after the first search, if there are any. */
+PlacedGroups placeGroups(std::vector<JudgedWay> ways, const TeamEvidence& evidence,
+                         const std::vector<std::string>& names, const JointVerdictParams& params,
+                         const FurtherWays& further = {});
 
 }  // namespace mrpt::fusion

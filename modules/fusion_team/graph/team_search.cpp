@@ -4,12 +4,14 @@
 #include "fusion_team/graph/team_search.h"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <utility>
 
 #include "fusion_team/graph/configuration.h"
 #include "fusion_team/graph/other_places.h"
+#include "fusion_team/graph/rigid_groups.h"
 #include "fusion_team/graph/scored_team.h"
 
 namespace mrpt::fusion {
@@ -43,32 +45,8 @@ std::vector<Way> bestOf(const std::vector<Way>& ways, const TeamEvidence& eviden
   return best;
 }
 
-/** Divides the maps that two configurations place into rigid groups: within a group both
- * configurations have the same poses. The largest group comes first. */
-std::vector<std::vector<size_t>> rigidGroups(const Configuration& best, const Configuration& other,
-                                             const TeamEvidence& evidence) {
-  std::vector<size_t> open;
-  for (size_t k = 0; k < best.pose.size(); k++)
-    if (best.pose[k] && other.pose[k]) open.push_back(k);
-  std::vector<std::vector<size_t>> groups;
-  while (!open.empty()) {
-    std::vector<size_t> largest;
-    for (const size_t root : open) {
-      const Isometry3d T = *best.pose[root] * other.pose[root]->inverse();
-      std::vector<size_t> same;
-      for (const size_t k : open)
-        if (k == root || evidence.isSame(k, *best.pose[k], T * *other.pose[k])) same.push_back(k);
-      if (same.size() > largest.size()) largest = std::move(same);
-      if (2 * largest.size() > open.size()) break;  // no other group is larger
-    }
-    for (const size_t k : largest) open.erase(std::find(open.begin(), open.end(), k));
-    groups.push_back(std::move(largest));
-  }
-  return groups;
-}
-
-Configuration without(const Configuration& c, const std::vector<size_t>& maps,
-                      const TeamEvidence& evidence) {
+Configuration apartFrom(const std::vector<size_t>& maps, const Configuration& c,
+                        const TeamEvidence& evidence) {
   Configuration rest = c;
   for (const size_t k : maps) rest.pose[k].reset();
   rest.score = scoreOf(rest, evidence);
@@ -121,7 +99,7 @@ void compareWith(const Configuration& rival, const TeamEvidence& evidence, TeamS
     moved.insert(moved.end(), groups[i].begin(), groups[i].end());
   }
   // A map that the rival does not place stays with the largest group.
-  apart += without(result.best, moved, evidence).score;
+  apart += apartFrom(moved, result.best, evidence).score;
   const double gain = result.best.score - apart;
   const double gain_of_rival = connectingScore(rival, result.best, groups, evidence);
   if (gain_of_rival <= 0) return;
@@ -184,55 +162,97 @@ std::optional<Configuration> betterThan(const Configuration& best,
   for (Configuration& rival : rivals) {
     improve(rival, ways, evidence, Moves::OfOneMap);
     settle(rival, evidence);
-    if (rival.score <= best.score * (1 + kLeastGain)) continue;
-    improve(rival, ways, evidence, Moves::OfOneOrTwo);
-    settle(rival, evidence);
-    return rival;
+    if (rival.score > best.score * (1 + kLeastGain)) return rival;
   }
   return std::nullopt;
 }
 
-}  // namespace
-
-TeamSearchResult searchTeam(const std::vector<Way>& all_ways, const TeamEvidence& evidence,
-                            size_t most_starts, size_t first) {
-  TeamSearchResult result;
-  result.first = first;
-  result.runner_up.resize(evidence.size());
-  result.best.pose.resize(evidence.size());
-  if (all_ways.empty()) return result;
-
-  const TeamWays ways(all_ways, evidence.size());
-  const size_t n = ways.n();
+/** Grows configurations from the best ways. Each map is in one of them. */
+std::vector<Configuration> grownFromBest(const TeamWays& ways, const TeamEvidence& evidence,
+                                         size_t most_starts) {
   std::vector<Configuration> grown;
-  std::vector<bool> is_placed(evidence.size());
-  const std::vector<Way> seeds = bestOf(all_ways, evidence);
+  std::vector<bool> is_placed(ways.n());
+  const std::vector<Way> seeds = bestOf(ways.all, evidence);
   for (size_t i = 0; i < seeds.size(); i++) {
-    // The best seeds lead to the best configurations. Each map is in one of them.
-    if (i >= countFor(n, most_starts) && is_placed[seeds[i].a] && is_placed[seeds[i].b]) continue;
+    // The best seeds lead to the best configurations.
+    if (i >= countFor(ways.n(), most_starts) && is_placed[seeds[i].a] && is_placed[seeds[i].b])
+      continue;
     for (const GrowthOrder order : {GrowthOrder::LargestGain, GrowthOrder::Clearest}) {
       grown.push_back(grownFrom(seeds[i], ways, evidence, order));
-      for (size_t k = 0; k < n; k++)
+      for (size_t k = 0; k < ways.n(); k++)
         if (grown.back().pose[k]) is_placed[k] = true;
     }
   }
-  keepDistinct(grown, countFor(n, kMostMoved), evidence);
-  for (Configuration& c : grown) improve(c, ways, evidence, Moves::OfOneMap);
-  keepDistinct(grown, countFor(n, kMostMoved), evidence);
-  for (size_t i = 0; i < std::min(countFor(n, kMostImproved), grown.size()); i++) {
-    settle(grown[i], evidence);
-    improve(grown[i], ways, evidence, Moves::OfOneOrTwo);
-    settle(grown[i], evidence);
+  return grown;
+}
+
+/** Crosses one of some configurations with the others while that makes it better. */
+void cross(size_t one, std::vector<Configuration>& all, const TeamWays& ways,
+           const TeamEvidence& evidence) {
+  for (std::optional<Configuration> better(all[one]); better;) {
+    all[one] = std::move(*better);
+    std::vector<Configuration> rivals;
+    for (size_t k = 0; k < all.size(); k++) {
+      if (k == one) continue;
+      std::vector<Configuration> more = crossed(all[one], all[k], evidence);
+      std::move(more.begin(), more.end(), std::back_inserter(rivals));
+    }
+    better = betterThan(all[one], std::move(rivals), ways, evidence);
   }
-  result.best = *std::min_element(grown.begin(), grown.end(), scoresBetter);
+}
+
+/** Searches the best configuration and its rivals from some configurations. */
+TeamSearchResult searchFrom(std::vector<Configuration> found, const TeamWays& ways,
+                            const TeamEvidence& evidence, size_t first) {
+  const size_t n = ways.n();
+  TeamSearchResult result;
+  result.first = first;
+  result.runner_up.resize(n);
+  keepDistinct(found, countFor(n, kMostMoved), evidence);
+  for (Configuration& c : found) improve(c, ways, evidence, Moves::OfOneMap);
+  keepDistinct(found, countFor(n, kMostMoved), evidence);
+  // The steps that follow, and the cost of each, grow with the maps.
+  const size_t most_improved = countFor(n, countFor(n, kMostImproved));
+  for (size_t i = 0; i < std::min(most_improved, found.size()); i++)
+    cross(i, found, ways, evidence);
+  keepDistinct(found, found.size(), evidence);
+  const auto improveFurther = [&](Configuration& c) {
+    settle(c, evidence);
+    improve(c, ways, evidence, Moves::OfOneOrTwo);
+    settle(c, evidence);
+  };
+  for (size_t i = 0; i < std::min(most_improved, found.size()); i++) improveFurther(found[i]);
+  const auto best = std::min_element(found.begin(), found.end(), scoresBetter);
+  result.best = *best;
+  found.erase(best);
   std::vector<Configuration> rivals = otherPlaces(result.best, ways, evidence);
-  while (const auto better = betterThan(result.best, rivals, ways, evidence)) {
-    grown.push_back(std::exchange(result.best, *better));
+  while (auto better = betterThan(result.best, rivals, ways, evidence)) {
+    improveFurther(*better);
+    found.push_back(std::exchange(result.best, std::move(*better)));
     rivals = otherPlaces(result.best, ways, evidence);
   }
-  for (const auto* others : {&grown, &rivals})
+  for (const auto* others : {&found, &rivals})
     for (const Configuration& rival : *others) compareWith(rival, evidence, result);
+  std::stable_sort(found.begin(), found.end(), scoresBetter);
+  result.others = std::move(found);
   return result;
+}
+
+}  // namespace
+
+TeamSearchResult searchTeam(const std::vector<Way>& ways, const TeamEvidence& evidence,
+                            size_t most_starts, size_t first) {
+  const TeamWays of_team(ways, evidence.size());
+  std::vector<Configuration> grown = grownFromBest(of_team, evidence, most_starts);
+  if (grown.empty()) grown.emplace_back().pose.resize(evidence.size());
+  return searchFrom(std::move(grown), of_team, evidence, first);
+}
+
+TeamSearchResult searchAgain(const TeamSearchResult& before, const std::vector<Way>& ways,
+                             const TeamEvidence& evidence, const std::vector<size_t>& without) {
+  std::vector<Configuration> rest{apartFrom(without, before.best, evidence)};
+  for (const Configuration& c : before.others) rest.push_back(apartFrom(without, c, evidence));
+  return searchFrom(std::move(rest), TeamWays(ways, evidence.size()), evidence, before.first);
 }
 
 }  // namespace mrpt::fusion

@@ -60,8 +60,8 @@ std::vector<std::vector<size_t>> partnersOf(size_t n, const std::vector<Candidat
 
 std::vector<CandidatePair> candidatePairs(const std::vector<RobotMap>& maps, const Options& options,
                                           Executor& executor, PairMemory& memory) {
-  const size_t n = maps.size(), most = kMatchesPerMap * n;
-  if (n * (n - 1) / 2 <= most) return allPairs(n);
+  const size_t n = maps.size(), most = (kMatchesPerMap - kLaterMatchesPerMap) * n;
+  if (n * (n - 1) / 2 <= kMatchesPerMap * n) return allPairs(n);
 
   double scale = 0;
   for (const RobotMap& map : maps) scale = std::max(scale, map.map.scale());

@@ -3,9 +3,13 @@
  * Measures what two maps of a team say for and against a pose. */
 #include "fusion_team/pairs/pair_evidence.h"
 
+#include <tbb/parallel_invoke.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <utility>
 
+#include "fusion_base/bits.h"
 #include "fusion_core/features/features.h"
 #include "fusion_core/pair/match.h"
 #include "fusion_core/pair/scaled_options.h"
@@ -13,10 +17,6 @@
 namespace mrpt::fusion {
 namespace {
 
-/** Largest motion of a pose to the refined pose, and largest difference of two poses that share
- * their evidence, share of the tolerance of a right pose. With more, each pair of a pile of maps
- * would find a pose of its own. */
-constexpr double kSlack = 0.2;
 /** Contradicted obstacles over confirmed obstacles at which no refinement helps. */
 constexpr double kHopeless = 0.1;
 /** Least share of the compared obstacles that must be confirmed to fix a pose. Fewer obstacles are
@@ -58,7 +58,7 @@ double scoreOf(const PairEvidence& e, double tolerance) {
 
 double countOf(const ObstacleSet& set) {
   size_t n = 0;
-  for (const uint64_t word : set) n += static_cast<size_t>(__builtin_popcountll(word));
+  for (const uint64_t word : set) n += static_cast<size_t>(countBits(word));
   return static_cast<double>(n);
 }
 
@@ -124,28 +124,32 @@ const PairEvidence& EvidenceOfPair::at(const Eigen::Isometry3d& T_a_b) {
     const MapFeatures &a = a_.features(), &b = b_.features();
     const AgreementParams& params = options_.ranking.agreement;
     const PoseComparison& c = comparison_->by_many;
-    return PairEvidence{
-        T_a_b,
-        compared(b, comparison_->near_in_b, c.obstaclesOfA(), a.voxels.resolution, T_a_b.inverse(),
-                 params),
-        compared(a, comparison_->near_in_a, c.obstaclesOfB(), b.voxels.resolution, T_a_b, params)};
+    PairEvidence e{T_a_b, {}, {}};
+    tbb::parallel_invoke(
+        [&] {
+          e.of_a = compared(b, comparison_->near_in_b, c.obstaclesOfA(), a.voxels.resolution,
+                            T_a_b.inverse(), params);
+        },
+        [&] {
+          e.of_b = compared(a, comparison_->near_in_a, c.obstaclesOfB(), b.voxels.resolution, T_a_b,
+                            params);
+        });
+    return e;
   });
 }
 
-std::optional<RegisteredPair> EvidenceOfPair::registeredNear(const Eigen::Isometry3d& T_a_b) {
-  for (const RegisteredPair& known : registered_)
-    if (isSame(T_a_b, known.T_a_b)) return known;
-  const RegisteredPair& refined = refined_.at(T_a_b, [&] {
-    const Eigen::Isometry3d T = comparison_->by_many.refined(T_a_b).T_a_b;
-    return RegisteredPair{T, comparison_->by_many.covarianceAt(T)};
-  });
-  if (!isSame(T_a_b, refined.T_a_b)) return std::nullopt;
+std::optional<Eigen::Isometry3d> EvidenceOfPair::registeredNear(const Eigen::Isometry3d& T_a_b) {
+  for (const Eigen::Isometry3d& known : registered_)
+    if (isSame(T_a_b, known)) return known;
+  const Eigen::Isometry3d& refined =
+      refined_.at(T_a_b, [&] { return comparison_->by_many.refined(T_a_b).T_a_b; });
+  if (!isSame(T_a_b, refined)) return std::nullopt;
   registered_.push_back(refined);
   return refined;
 }
 
 bool EvidenceOfPair::answers(const Known& known, const Eigen::Isometry3d& T_a_b) const {
-  return isSame(T_a_b, known.evidence.T_a_b, kSlack);
+  return isSame(T_a_b, known.evidence.T_a_b, kSharedEvidence);
 }
 
 EvidenceOfPair::Known EvidenceOfPair::computed(const Eigen::Isometry3d& T_a_b) {
@@ -158,11 +162,11 @@ EvidenceOfPair::Known EvidenceOfPair::computed(const Eigen::Isometry3d& T_a_b) {
     return as_asked;
   const auto registered = registeredNear(T_a_b);
   as_asked.evidence.registered = registered;
-  if (!registered || !isSame(T_a_b, registered->T_a_b, kSlack)) return as_asked;
-  const PairEvidence& there = at(registered->T_a_b);
+  if (!registered || !isSame(T_a_b, *registered, kSharedEvidence)) return as_asked;
+  const PairEvidence& there = at(*registered);
   const double tolerance = options_.ranking.agreement.tolerance;
   if (scoreOf(there, tolerance) <= scoreOf(as_asked.evidence, tolerance)) return as_asked;
-  Known refined{registered->T_a_b * middle_b_, there};
+  Known refined{*registered * middle_b_, there};
   refined.evidence.registered = registered;
   return refined;
 }
@@ -174,13 +178,13 @@ size_t EvidenceOfPair::Hash::operator()(const Eigen::Vector3i& cell) const {
 }
 
 Eigen::Vector3i EvidenceOfPair::cellOf(const Eigen::Vector3d& middle) const {
-  const double side = 2 * kSlack * options_.evaluation.tolerance.translation;
+  const double side = 2 * kSharedEvidence * options_.evaluation.tolerance.translation;
   return (middle / side).array().floor().cast<int>();
 }
 
 void EvidenceOfPair::remember(Known known) {
   // It is found from all cells with a place that it may answer.
-  const double reach = kSlack * options_.evaluation.tolerance.translation;
+  const double reach = kSharedEvidence * options_.evaluation.tolerance.translation;
   const Eigen::Vector3d corner = Eigen::Vector3d::Constant(reach);
   const Eigen::Vector3i first = cellOf(known.middle - corner), last = cellOf(known.middle + corner);
   for (int x = first.x(); x <= last.x(); x++)
@@ -197,6 +201,15 @@ void EvidenceOfPair::restart() {
   registered_.clear();
   compared_.restart();
   refined_.restart();
+  covariance_.restart();
+}
+
+Matrix6d EvidenceOfPair::covarianceAt(const Eigen::Isometry3d& registered) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return tbb::this_task_arena::isolate([&] {
+    return covariance_.at(registered,
+                          [&] { return comparison_->by_many.covarianceAt(registered); });
+  });
 }
 
 const PairEvidence& EvidenceOfPair::near(const Eigen::Isometry3d& T_a_b) {
@@ -206,7 +219,7 @@ const PairEvidence& EvidenceOfPair::near(const Eigen::Isometry3d& T_a_b) {
     for (const size_t i : in_cell->second)
       if (answers(known_[i], T_a_b)) return known_[i].evidence;
   if (mayMeet(T_a_b))
-    remember(computed(T_a_b));
+    remember(tbb::this_task_arena::isolate([&] { return computed(T_a_b); }));
   else
     remember({T_a_b * middle_b_, {T_a_b, {}, {}}});
   return known_.back().evidence;

@@ -34,12 +34,6 @@ struct ComparedObstacles {
   ObstacleSet contradicted;  ///< Obstacles in the other map's free space, away from its obstacles
 };
 
-/** A registered pair of maps. */
-struct RegisteredPair {
-  Eigen::Isometry3d T_a_b;  ///< Pose of map B in A's frame
-  Matrix6d covariance;      ///< See MatchResult::covariance
-};
-
 /** Evidence of a pair of maps at a pose. */
 struct PairEvidence {
   Eigen::Isometry3d T_a_b;  ///< Pose of map B in A's frame, refined by at most some voxels
@@ -47,7 +41,7 @@ struct PairEvidence {
   ComparedObstacles of_b;   ///< Obstacles of B; empty sets if the maps do not meet
   /** Where the registration places B; none if that is another place, if few obstacles are
    * confirmed, or if the maps contradict each other. */
-  std::optional<RegisteredPair> registered = std::nullopt;
+  std::optional<Eigen::Isometry3d> registered = std::nullopt;
 
   /** Returns the number of obstacles of both maps in one of their sets. */
   double count(ObstacleSet ComparedObstacles::*set) const {
@@ -57,6 +51,11 @@ struct PairEvidence {
   double displaced() const { return count(&ComparedObstacles::displaced); }
   double contradicted() const { return count(&ComparedObstacles::contradicted); }
 };
+
+/** Largest motion of a pose to the refined pose, and largest difference of two poses that share
+ * their evidence, share of the tolerance of a right pose. With more, each pair of a pile of maps
+ * would find a pose of its own. */
+constexpr double kSharedEvidence = 0.2;
 
 /** The evidence of a pair of maps at any pose. It remembers the poses that it was asked for.
  * Several threads may use it. */
@@ -73,6 +72,9 @@ class EvidenceOfPair {
    * the first pose at a place, half a millisecond for further poses; microseconds where the maps do
    * not meet or the evidence is known. */
   const PairEvidence& near(const Eigen::Isometry3d& T_a_b);
+  /** Returns the covariance of a registered pose, see PairEvidence::registered and
+   * MatchResult::covariance. Cost: some milliseconds for the first question. */
+  Matrix6d covarianceAt(const Eigen::Isometry3d& registered);
   /** Starts anew, as if no pose had been asked for: which evidence answers a question depends on
    * the questions before. The evidence of a pose that was asked for since the last restart is not
    * computed again. No reference of near() is valid afterwards. */
@@ -108,7 +110,7 @@ class EvidenceOfPair {
   bool mayMeet(const Eigen::Isometry3d& T_a_b) const;
   bool answers(const Known& known, const Eigen::Isometry3d& T_a_b) const;
   const PairEvidence& at(const Eigen::Isometry3d& T_a_b);
-  std::optional<RegisteredPair> registeredNear(const Eigen::Isometry3d& T_a_b);
+  std::optional<Eigen::Isometry3d> registeredNear(const Eigen::Isometry3d& T_a_b);
   Known computed(const Eigen::Isometry3d& T_a_b);
 
   PreparedMap a_, b_;
@@ -118,9 +120,10 @@ class EvidenceOfPair {
   std::unique_ptr<Comparison> comparison_;
   std::deque<Known> known_;
   Index known_in_;
-  std::vector<RegisteredPair> registered_;  // one for each place
-  Memo<PairEvidence> compared_;             // evidence without a refinement
-  Memo<RegisteredPair> refined_;            // by the start of the refinement
+  std::vector<Eigen::Isometry3d> registered_;  // one for each place
+  Memo<PairEvidence> compared_;                // evidence without a refinement
+  Memo<Eigen::Isometry3d> refined_;            // by the start of the refinement
+  Memo<Matrix6d> covariance_;                  // by the registered pose
   std::mutex mutex_;
 };
 

@@ -11,7 +11,6 @@
 #include "fusion_base/error_text.h"
 #include "fusion_core/features/features.h"
 #include "fusion_core/pair/match.h"
-#include "fusion_team/pairs/candidates.h"
 #include "fusion_team/pairs/pair_prior.h"
 
 namespace mrpt::fusion {
@@ -39,12 +38,12 @@ std::vector<Eigen::Isometry3d> hypothesesOf(const PairMatch& match) {
   return poses;
 }
 
-std::vector<PairMatch> matchPairs(const std::vector<RobotMap>& maps, const Options& options,
+std::vector<PairMatch> matchPairs(const std::vector<RobotMap>& maps,
+                                  const std::vector<CandidatePair>& pairs, const Options& options,
                                   Executor& executor, const OnMember& on_member,
                                   PairMemory& memory) {
   std::vector<PairMatch> matches;
-  for (const auto& [a, b] : candidatePairs(maps, options, executor, memory))
-    matches.push_back({a, b, {}});
+  for (const auto& [a, b] : pairs) matches.push_back({a, b, {}});
   std::mutex mutex;
   executor.run(matches.size(), [&](size_t i) {
     PairMatch& m = matches[i];
@@ -61,6 +60,13 @@ std::vector<PairMatch> matchPairs(const std::vector<RobotMap>& maps, const Optio
     });
   });
   return matches;
+}
+
+std::vector<PairMatch> matchPairs(const std::vector<RobotMap>& maps, const Options& options,
+                                  Executor& executor, const OnMember& on_member,
+                                  PairMemory& memory) {
+  return matchPairs(maps, candidatePairs(maps, options, executor, memory), options, executor,
+                    on_member, memory);
 }
 
 EvidenceOfMaps::EvidenceOfMaps(const std::vector<RobotMap>& maps, const Options& options,
@@ -224,9 +230,20 @@ const PairEvidence& EvidenceOfMaps::near(size_t a, size_t b, const Eigen::Isomet
   return pairs_[a][b - a - 1]->near(T_a_b);
 }
 
+Matrix6d EvidenceOfMaps::covariance(size_t a, size_t b, const Eigen::Isometry3d& registered) const {
+  return pairs_[a][b - a - 1]->covarianceAt(registered);
+}
+
 bool EvidenceOfMaps::isSame(size_t b, const Eigen::Isometry3d& T,
                             const Eigen::Isometry3d& U) const {
   return isSamePlace(T, U, middle_[b], tolerance_);
+}
+
+bool EvidenceOfMaps::isNearlySame(size_t b, const Eigen::Isometry3d& T,
+                                  const Eigen::Isometry3d& U) const {
+  return isSamePlace(
+      T, U, middle_[b],
+      {kSharedEvidence * tolerance_.translation, kSharedEvidence * tolerance_.rotation});
 }
 
 }  // namespace mrpt::fusion

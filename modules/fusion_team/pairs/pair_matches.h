@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "fusion_team/graph/team_graph.h"
+#include "fusion_team/pairs/candidates.h"
 #include "fusion_team/pairs/executor.h"
 #include "fusion_team/pairs/pair_memory.h"
 
@@ -28,8 +29,13 @@ struct PairMatch {
 /** Returns the hypotheses of a match that may be part of a configuration, the match first. */
 std::vector<Eigen::Isometry3d> hypothesesOf(const PairMatch& match);
 
-/** Matches the candidate pairs of whole maps. Each match is independent of the others.
- * Cost: see candidatePairs(), less the matches that \a memory knows. */
+/** Matches pairs of whole maps. Each match is independent of the others. Matches that \a memory
+ * knows cost nothing. */
+std::vector<PairMatch> matchPairs(const std::vector<RobotMap>& maps,
+                                  const std::vector<CandidatePair>& pairs, const Options& options,
+                                  Executor& executor, const OnMember& on_member,
+                                  PairMemory& memory);
+/** Matches the candidatePairs() of whole maps. */
 std::vector<PairMatch> matchPairs(const std::vector<RobotMap>& maps, const Options& options,
                                   Executor& executor, const OnMember& on_member,
                                   PairMemory& memory);
@@ -41,7 +47,10 @@ class EvidenceOfMaps : public TeamEvidence {
 
   size_t size() const override { return maps_.size(); }
   const PairEvidence& near(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const override;
+  Matrix6d covariance(size_t a, size_t b, const Eigen::Isometry3d& registered) const override;
   bool isSame(size_t b, const Eigen::Isometry3d& T, const Eigen::Isometry3d& U) const override;
+  bool isNearlySame(size_t b, const Eigen::Isometry3d& T,
+                    const Eigen::Isometry3d& U) const override;
   bool isSure(size_t a, size_t b, const Eigen::Isometry3d& T_a_b) const override;
   std::optional<Eigen::Isometry3d> sureMatch(size_t a, size_t b) const override;
   Eigen::AlignedBox3d box(size_t map) const override { return box_[map]; }

@@ -24,6 +24,9 @@ class Row : public TeamEvidence {
   static Isometry3d beside() { return at(0, -10); }
 
   size_t size() const override { return 6; }
+  Matrix6d covariance(size_t, size_t, const Isometry3d&) const override {
+    return 1e-4 * Matrix6d::Identity();
+  }
   bool isSame(size_t, const Isometry3d& T, const Isometry3d& U) const override {
     return isNear(T, U, 0.6);
   }
@@ -38,9 +41,8 @@ class Row : public TeamEvidence {
   const PairEvidence& near(size_t a, size_t b, const Isometry3d& T) const override {
     static const ObstacleSet no(4), low{~0ULL, 0, 0, 0}, high{0, 0, 0, ~0ULL};
     static const ObstacleSet few{0, 0xffffULL, 0, 0}, others{0, 0, 0xffffULL, 0};
-    static const RegisteredPair registered{next(), 1e-4 * Matrix6d::Identity()};
-    static const PairEvidence apart{}, right{next(), {high, no, no}, {low, no, no}, registered},
-        displaced{next(), {high, others, no}, {low, others, no}, registered},
+    static const PairEvidence apart{}, right{next(), {high, no, no}, {low, no, no}, next()},
+        displaced{next(), {high, others, no}, {low, others, no}, next()},
         alias{beside(), {few, no, no}, {few, no, no}},
         wrong{next(), {low, no, others}, {low, no, others}};
     if (T.translation().norm() > 12) return apart;

@@ -32,6 +32,9 @@ class Evidence : public TeamEvidence {
   const PairEvidence& near(size_t a, size_t b, const Isometry3d&) const override {
     return pairs_[a][b];
   }
+  Matrix6d covariance(size_t, size_t, const Isometry3d&) const override {
+    return 1e-4 * Matrix6d::Identity();
+  }
   bool isSame(size_t, const Isometry3d&, const Isometry3d&) const override { return true; }
   bool isSure(size_t a, size_t b, const Isometry3d&) const override { return a == 0 && b == 3; }
   std::optional<Isometry3d> sureMatch(size_t, size_t) const override { return {}; }
@@ -70,7 +73,8 @@ TEST(ObstacleCounts, CountEachObstacleUpToTheirLimit) {
     const ObstacleSet set = drawSet(random, 2);
     counts.add(set);
     for (size_t i = 0; i < kObstacles; i++)
-      if (set[i / 64] >> (i % 64) & 1U) expected[i] = std::min(expected[i] + 1, ObstacleCounts::kMost);
+      if (set[i / 64] >> (i % 64) & 1U)
+        expected[i] = std::min(expected[i] + 1, ObstacleCounts::kMost);
     for (size_t i = 0; i < kObstacles; i++) ASSERT_EQ(counts[i], expected[i]) << round << " " << i;
   }
 }

@@ -34,6 +34,9 @@ class Square : public TeamEvidence {
   static bool areNeighbours(size_t a, size_t b) { return (b - a) % 2 == 1; }
 
   size_t size() const override { return 4; }
+  Matrix6d covariance(size_t, size_t, const Isometry3d&) const override {
+    return 1e-4 * Matrix6d::Identity();
+  }
   bool isSame(size_t, const Isometry3d& T, const Isometry3d& U) const override {
     return (T.translation() - U.translation()).norm() < 0.6;
   }
@@ -224,6 +227,9 @@ class Places : public TeamEvidence {
     }
   }
   size_t size() const override { return maps_; }
+  Matrix6d covariance(size_t, size_t, const Isometry3d&) const override {
+    return 1e-4 * Matrix6d::Identity();
+  }
   bool isSame(size_t, const Isometry3d& T, const Isometry3d& U) const override {
     return (T.translation() - U.translation()).norm() < 0.6;
   }

@@ -65,9 +65,9 @@ TEST(PairEvidence, PosesAtOnePlaceShareTheRegisteredPose) {
   const auto first = pair.near(Eigen::Isometry3d::Identity()).registered;
   const auto other = pair.near(beside).registered;
   ASSERT_TRUE(first && other);
-  EXPECT_TRUE(first->T_a_b.isApprox(other->T_a_b, 0));
-  EXPECT_LT(first->T_a_b.translation().norm(), 0.05);
-  EXPECT_LT(first->covariance.trace(), 0.1);
+  EXPECT_TRUE(first->isApprox(*other, 0));
+  EXPECT_LT(first->translation().norm(), 0.05);
+  EXPECT_LT(pair.covarianceAt(*first).trace(), 0.1);
 }
 
 TEST(PairEvidence, MapsThatShareLittleFixNoPose) {
