@@ -108,5 +108,19 @@ TEST(OtherPlaces, ASearchMovesMoreThanTwoMapsTogether) {
   }
 }
 
+TEST(Crossed, GroupsLieToEachOtherAsInTheOtherConfiguration) {
+  Configuration right;
+  for (int k = 0; k < 6; k++) right.pose.emplace_back(at(10 * k, 0));
+  right.score = scoreOf(right, Row());
+  const auto moved = crossed(misplaced(), right, Row());
+  ASSERT_FALSE(moved.empty());
+  for (const Configuration& c : moved) {
+    for (size_t k = 0; k < 5; k++)
+      EXPECT_TRUE((c.pose[k]->inverse() * *c.pose[k + 1]).isApprox(Row::next(), 1e-6)) << k;
+    EXPECT_NEAR(c.score, right.score, 1e-6);
+  }
+  EXPECT_TRUE(crossed(right, right, Row()).empty()) << "one group";
+}
+
 }  // namespace
 }  // namespace mrpt::fusion::test::other_places_test
