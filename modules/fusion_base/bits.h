@@ -15,8 +15,8 @@ namespace mrpt::fusion {
  * \param[in] bits The bits; not 0. */
 constexpr int lowestBit(uint64_t bits) { return __builtin_ctzll(bits); }
 
-/** Returns the number of set bits. Without a call: the built-in function calls a library where the
- * oldest processors of an architecture cannot count bits. */
+/** Returns the number of set bits. __builtin_popcountll() would call a library function: code for
+ * all processors of Debian's amd64 has no instruction for it. */
 constexpr int countBits(uint64_t bits) {
   bits -= bits >> 1 & 0x5555555555555555;                                 // of 2 bits each
   bits = (bits & 0x3333333333333333) + (bits >> 2 & 0x3333333333333333);  // of 4 bits each

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "fusion_base/bits.h"
 #include "fusion_octree/tree_access.h"
 
 namespace mrpt::fusion {
@@ -72,8 +73,8 @@ float BlockTree::at(uint32_t x, uint32_t y, uint32_t z) const {
     bit--;
     const unsigned i = (x >> bit & 1U) | (y >> bit & 1U) << 1U | (z >> bit & 1U) << 2U;
     if (!(node->children >> i & 1U)) return kUnknown;
-    node = &nodes_[node->first +
-                   static_cast<uint32_t>(__builtin_popcount(node->children & ((1U << i) - 1)))];
+    node =
+        &nodes_[node->first + static_cast<uint32_t>(countBits(node->children & ((1U << i) - 1)))];
   }
   return node->kind == Kind::Leaf ? node->log_odds : (*node->values)[indexOf(x, y, z)];
 }

@@ -247,6 +247,14 @@ Configuration with(const Configuration& c, const std::vector<size_t>& maps,
   return some;
 }
 
+Configuration without(const Configuration& c, const std::vector<size_t>& maps,
+                      const TeamEvidence& evidence) {
+  Configuration rest = c;
+  for (const size_t k : maps) rest.pose[k].reset();
+  rest.score = scoreOf(rest, evidence);
+  return rest;
+}
+
 Configuration pairOf(const Way& way, const TeamEvidence& evidence) {
   Configuration c;
   c.pose.resize(evidence.size());

@@ -33,6 +33,9 @@ double scoreOf(const Configuration& c, const TeamEvidence& evidence);
 /** Returns the poses of some maps of a configuration, with their score. */
 Configuration with(const Configuration& c, const std::vector<size_t>& maps,
                    const TeamEvidence& evidence);
+/** Returns the poses of all maps of a configuration but some, with their score. */
+Configuration without(const Configuration& c, const std::vector<size_t>& maps,
+                      const TeamEvidence& evidence);
 
 /** Returns the configuration of the two maps of a way, in the frame of map A. */
 Configuration pairOf(const Way& way, const TeamEvidence& evidence);

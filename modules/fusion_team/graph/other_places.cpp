@@ -239,6 +239,7 @@ std::vector<Configuration> otherPlaces(const Configuration& c, const TeamWays& w
 std::vector<Configuration> crossed(const Configuration& c, const Configuration& other,
                                    const TeamEvidence& evidence) {
   const auto groups = rigidGroups(c, other, evidence);
+  if (groups.size() < 2) return {};
   std::vector<Isometry3d> to_c;  // from the frame of the other configuration, by group
   for (const Block& group : groups)
     to_c.push_back(*c.pose[group.front()] * other.pose[group.front()]->inverse());

@@ -29,8 +29,8 @@ PoseConstraint constraintOf(size_t a, size_t b, const Eigen::Isometry3d& T_a_b,
 
 /** Optimises poses on SE(3) so that they fit the constraints, with Ceres. A constraint that does
  * not fit loses weight (Cauchy's loss). \param[in] constraints Constraints between maps that have
- * poses. \param[in,out] pose Poses in one frame. The first pose keeps its value; poses without
- * constraints too. */
+ * poses. \param[in,out] pose Poses in one frame. Of the maps that constraints connect with each
+ * other, the first keeps its pose. */
 void optimizePoses(const std::vector<PoseConstraint>& constraints,
                    std::vector<std::optional<Eigen::Isometry3d>>& pose);
 

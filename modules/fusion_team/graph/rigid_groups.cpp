@@ -10,19 +10,19 @@ namespace mrpt::fusion {
 
 using Eigen::Isometry3d;
 
-std::vector<std::vector<size_t>> rigidGroups(const Configuration& best, const Configuration& other,
+std::vector<std::vector<size_t>> rigidGroups(const Configuration& c, const Configuration& other,
                                              const TeamEvidence& evidence) {
   std::vector<size_t> open;
-  for (size_t k = 0; k < best.pose.size(); k++)
-    if (best.pose[k] && other.pose[k]) open.push_back(k);
+  for (size_t k = 0; k < c.pose.size(); k++)
+    if (c.pose[k] && other.pose[k]) open.push_back(k);
   std::vector<std::vector<size_t>> groups;
   while (!open.empty()) {
     std::vector<size_t> largest;
     for (const size_t root : open) {
-      const Isometry3d T = *best.pose[root] * other.pose[root]->inverse();
+      const Isometry3d T = *c.pose[root] * other.pose[root]->inverse();
       std::vector<size_t> same;
       for (const size_t k : open)
-        if (k == root || evidence.isSame(k, *best.pose[k], T * *other.pose[k])) same.push_back(k);
+        if (k == root || evidence.isSame(k, *c.pose[k], T * *other.pose[k])) same.push_back(k);
       if (same.size() > largest.size()) largest = std::move(same);
       if (2 * largest.size() > open.size()) break;  // no other group is larger
     }

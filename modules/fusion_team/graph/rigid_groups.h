@@ -13,7 +13,7 @@ namespace mrpt::fusion {
 
 /** Divides the maps that two configurations place into rigid groups: within a group both
  * configurations have the same poses. The largest group comes first. */
-std::vector<std::vector<size_t>> rigidGroups(const Configuration& best, const Configuration& other,
+std::vector<std::vector<size_t>> rigidGroups(const Configuration& c, const Configuration& other,
                                              const TeamEvidence& evidence);
 
 }  // namespace mrpt::fusion

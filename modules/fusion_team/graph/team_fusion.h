@@ -30,10 +30,14 @@ struct PlacedTeam {
 PlacedTeam placeTeam(const std::vector<RobotMap>& maps, const Options& options,
                      const OnMember& on_member, PairMemory& memory);
 
-/** Places whole maps by given matches of their pairs, see placeTeam(), and by matches of other
- * pairs that meet then, as long as there are at most kMatchesPerMap for each map. \param[in]
- * matches Matches of the pairs. Each map has a match with the first map or a map that is matched
- * with it. */
+/** Places whole maps by given matches of their pairs, see placeTeam(). Then matches other pairs
+ * that meet at these places, up to kMatchesPerMap matches for each map in all.
+ *
+ * \param[in] maps Two or more whole maps.
+ * \param[in] matches Matches of the pairs. Each map has a match with the first map or a map that is
+ * matched with it.
+ * \param[in] options Parameters of all stages.
+ * \param[in,out] memory Results of earlier fusions with the same options. */
 PlacedTeam placeByMatches(const std::vector<RobotMap>& maps, std::vector<PairMatch> matches,
                           const Options& options, PairMemory& memory);
 

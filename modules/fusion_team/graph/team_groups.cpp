@@ -23,9 +23,7 @@ std::vector<size_t> weakestOf(const TeamSearchResult& found, const std::vector<P
   std::vector<std::pair<double, size_t>> order;  // by the score of the other maps
   for (size_t k = 0; k < maps.size(); k++) {
     if (k == found.first || maps[k].confirmed || !found.best.pose[k]) continue;
-    Configuration rest = found.best;
-    rest.pose[k].reset();
-    order.emplace_back(-scoreOf(rest, evidence), k);
+    order.emplace_back(-without(found.best, {k}, evidence).score, k);
   }
   std::sort(order.begin(), order.end());
   std::vector<size_t> weakest;

@@ -24,7 +24,7 @@ using FurtherWays = std::function<std::vector<JudgedWay>(const Configuration&)>;
 
 /** Searches the best configuration of a team and judges it. A map that neither a loop nor a sure
  * match connects with the first map may be of another place, and may then spoil the places of
- * others. The search is repeated without the map; the maps that contribute least leave first.
+ * others. Of such maps those that contribute least are left out, and the search is repeated.
  * The maps that are not placed are searched for other groups in the same way.
  * \param[in] ways Hypotheses of all pairs.
  * \param[in] evidence Evidence of all pairs.

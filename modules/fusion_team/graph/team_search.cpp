@@ -20,7 +20,7 @@ namespace {
 using Eigen::Isometry3d;
 
 constexpr size_t kMostMoved = 32;     // configurations that moves of one map improve
-constexpr size_t kMostImproved = 16;  // configurations that moves of two maps improve
+constexpr size_t kMostImproved = 16;  // configurations that are improved further
 constexpr size_t kMostTried = 8;      // other places of blocks that moves improve
 constexpr size_t kManyMaps = 20;      // with more maps, fewer configurations are grown and improved
 
@@ -43,14 +43,6 @@ std::vector<Way> bestOf(const std::vector<Way>& ways, const TeamEvidence& eviden
   for (const auto& [score, i] : order)
     if (pairs.emplace(ways[i].a, ways[i].b).second) best.push_back(ways[i]);
   return best;
-}
-
-Configuration apartFrom(const std::vector<size_t>& maps, const Configuration& c,
-                        const TeamEvidence& evidence) {
-  Configuration rest = c;
-  for (const size_t k : maps) rest.pose[k].reset();
-  rest.score = scoreOf(rest, evidence);
-  return rest;
 }
 
 /** Returns the number of sure matches whose maps lie as the match says in the best configuration,
@@ -99,7 +91,7 @@ void compareWith(const Configuration& rival, const TeamEvidence& evidence, TeamS
     moved.insert(moved.end(), groups[i].begin(), groups[i].end());
   }
   // A map that the rival does not place stays with the largest group.
-  apart += apartFrom(moved, result.best, evidence).score;
+  apart += without(result.best, moved, evidence).score;
   const double gain = result.best.score - apart;
   const double gain_of_rival = connectingScore(rival, result.best, groups, evidence);
   if (gain_of_rival <= 0) return;
@@ -249,9 +241,9 @@ TeamSearchResult searchTeam(const std::vector<Way>& ways, const TeamEvidence& ev
 }
 
 TeamSearchResult searchAgain(const TeamSearchResult& before, const std::vector<Way>& ways,
-                             const TeamEvidence& evidence, const std::vector<size_t>& without) {
-  std::vector<Configuration> rest{apartFrom(without, before.best, evidence)};
-  for (const Configuration& c : before.others) rest.push_back(apartFrom(without, c, evidence));
+                             const TeamEvidence& evidence, const std::vector<size_t>& left_out) {
+  std::vector<Configuration> rest{without(before.best, left_out, evidence)};
+  for (const Configuration& c : before.others) rest.push_back(without(c, left_out, evidence));
   return searchFrom(std::move(rest), TeamWays(ways, evidence.size()), evidence, before.first);
 }
 

@@ -38,8 +38,9 @@ TeamSearchResult searchTeam(const std::vector<Way>& ways, const TeamEvidence& ev
  * \param[in] before Result of the search before.
  * \param[in] ways Hypotheses of the pairs of all maps that stay.
  * \param[in] evidence Evidence of all pairs.
- * \param[in] without Maps that do not stay. */
+ * \param[in] left_out Maps that do not stay. */
 TeamSearchResult searchAgain(const TeamSearchResult& before, const std::vector<Way>& ways,
-                             const TeamEvidence& evidence, const std::vector<size_t>& without = {});
+                             const TeamEvidence& evidence,
+                             const std::vector<size_t>& left_out = {});
 
 }  // namespace mrpt::fusion

@@ -172,5 +172,16 @@ TEST(JointCovariance, AWrongLoopMovesThePosesLittle) {
     EXPECT_LT((poses[k]->translation() - truth[k].translation()).norm(), 0.05) << k;
 }
 
+TEST(PoseGraph, OfEachPartTheFirstMapKeepsItsPose) {
+  const Isometry3d beside = at({10, 0, 0}, 0);
+  Poses pose{at({0, 0, 0}, 0), at({5, 7, 0}, 1), at({9, 0, 0}, 0), at({5, 18, 0}, 1)};
+  const Isometry3d first_of_second = *pose[1];
+  optimizePoses({{0, 2, beside}, {1, 3, beside}}, pose);
+  EXPECT_TRUE(pose[0]->isApprox(at({0, 0, 0}, 0), 0));
+  EXPECT_TRUE(pose[1]->isApprox(first_of_second, 1e-12));
+  EXPECT_TRUE(pose[2]->isApprox(beside, 1e-6));
+  EXPECT_TRUE(pose[3]->isApprox(first_of_second * beside, 1e-6));
+}
+
 }  // namespace
 }  // namespace mrpt::fusion::test::pose_graph_test
